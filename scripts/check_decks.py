@@ -3,7 +3,7 @@
 
     check_decks.py PROGRAM [--jobs N] [--only NAME...] [--keep FOLDER]   run and compare; exit code 1 if anything differs
     check_decks.py PROGRAM --update [--jobs N] [--only NAME...]          run and write the table, and the numbers in the texts
-    check_decks.py --texts                                               compare the texts with the table alone
+    check_decks.py --texts                                               compare the texts and the gallery with the table alone
 
 Compared are the status of a run, the names of its warnings, its steps and its measures. One rule holds for all: `relative` of the table, a
 share of the kept number. A measure whose last bits decide has a band of its own under `bands`, with the reason, and a warning that
@@ -14,7 +14,8 @@ Numbers in the texts that come from these runs stand before a comment that names
 
     3.28<!-- penetration: crater_diameter cm --> cm,  1.40<!-- penetration: cloud_length / cloud_width -->
 
-A quoted number must be that of the table at its own number of digits.
+A quoted number must be that of the table at its own number of digits. A block of what a run prints follows a comment that names the
+deck, `<!-- output: iron-plate -->`; its measures and steps are those of the table.
 
 Needs Python 3.9 and nothing else.
 """
@@ -33,6 +34,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 TABLE = ROOT / "reference/shipped-decks.json"
+GALLERY = ROOT / "docs/guide/gallery.md"
 TEXTS = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 # A run that takes longer, s, hangs.
 TIME_LIMIT = 3600
@@ -41,9 +43,12 @@ TIME_LIMIT = 3600
 NOTHING = 1e-9
 
 # Units of quotes: how many there are in one of SI, and where they begin.
-UNITS = {"": 1.0, "mm": 1e3, "cm": 1e2, "um": 1e6, "ms": 1e3, "us": 1e6, "K": 1.0, "degC": 1.0, "m": 1.0, "m/s": 1.0, "MPa": 1e-6, "GPa": 1e-9}
+UNITS = {"": 1.0, "mm": 1e3, "cm": 1e2, "um": 1e6, "ms": 1e3, "us": 1e6, "K": 1.0, "degC": 1.0, "m": 1.0, "m/s": 1.0, "ns": 1e9, "kPa": 1e-3, "MPa": 1e-6, "GPa": 1e-9, "kJ/kg": 1e-3, "MJ/kg": 1e-6}
 ZERO = {"degC": -273.15}
 QUOTE = re.compile(r"(?P<number>-?\d[\d ]*(?:\.\d+)?)(?P<bold>\**)<!-- (?P<deck>[\w-]+): (?P<what>\w+)(?: / (?P<over>\w+))?(?: (?P<unit>[\w/%]+))? -->")
+# A block of what a run of a shipped deck prints.
+OUTPUT = re.compile(r"(?P<start><!-- output: (?P<deck>[\w-]+) -->\n+```text\n)(?P<block>.*?)(?=^```$)", re.S | re.M)
+MEASURE = re.compile(r"^(?P<name>\w+)(?P<gap> +)-?\d+(?:\.\d+)?(?: (?P<unit>[\w/]+))?$", re.M)
 # What looks like one, so that one with a slip is not passed over.
 LIKE_A_QUOTE = re.compile(r"<!-- [\w-]+: .*?-->")
 
@@ -113,6 +118,26 @@ def quoted(match, decks):
     return f"{int(text):,}".replace(",", " ") if " " in match["number"] else text
 
 
+def shown(block, name, decks):
+    """A block of what a run prints, with the numbers of the table: its measures, and how many steps there were."""
+    deck = decks.get(name)
+    if deck is None:
+        raise ValueError(f"the table has no deck `{name}`")
+
+    def measure(match):
+        name, gap, unit = match["name"], match["gap"], match["unit"] or ""
+        value = deck["measures"].get(name)
+        if value is None or unit not in UNITS:
+            return match[0]
+        # As the program prints them.
+        return f"{name}{gap}{value * UNITS[unit] + ZERO.get(unit, 0.0):.5g} {unit}".rstrip()
+
+    steps = f"{deck['steps']:,}".replace(",", " ")
+    block = MEASURE.sub(measure, block)
+    block = re.sub(r"x \d[\d ]* steps", f"x {steps} steps", block)
+    return re.sub(r"^(100 %.* step )\d[\d ]*(?=,)", rf"\g<1>{steps}", block, flags=re.M)
+
+
 def texts(decks, writes):
     """Compares the numbers in the texts with the table, or writes them; returns how many there are and what is wrong."""
     count, troubles = 0, []
@@ -132,12 +157,40 @@ def texts(decks, writes):
                 troubles.append(f"{place}: {match['number']} is {number} in the table ({match['deck']})")
             return match[0].replace(match["number"], number, 1)
 
-        after = QUOTE.sub(of_table, text)
-        for match in LIKE_A_QUOTE.finditer(QUOTE.sub("", text)):
+        def of_run(match):
+            nonlocal count
+            count += 1
+            try:
+                block = shown(match["block"], match["deck"], decks)
+            except ValueError as wrong:
+                troubles.append(f"{path.relative_to(ROOT)}: {wrong}")
+                return match[0]
+            for line, right in zip(match["block"].split("\n"), block.split("\n")):
+                if line != right and not writes:
+                    troubles.append(f"{path.relative_to(ROOT)}: `{line}` is `{right}` by the table ({match['deck']})")
+            return match["start"] + block
+
+        after = OUTPUT.sub(of_run, QUOTE.sub(of_table, text))
+        for match in LIKE_A_QUOTE.finditer(OUTPUT.sub("", QUOTE.sub("", text))):
             troubles.append(f"{path.relative_to(ROOT)}: no number, or no name that is known, at {match[0]}")
         if writes and after != text:
             path.write_text(after, encoding="utf-8")
     return count, troubles
+
+
+def gallery(decks, table):
+    """Sections of the gallery whose runs, if they are at the resolution of the deck, are not those of the table."""
+    for name, section in re.findall(r"^## ([\w-]+)\n(.*?)(?=^## |\Z)", GALLERY.read_text(encoding="utf-8"), re.S | re.M):
+        kept, measured = decks.get(name), re.search(r"^Measured: (.*)\.$", section, re.M)
+        if kept is None or measured is None or "**Coarser than shipped**" in section:
+            continue
+        numbers = re.findall(r"([a-z][^,]*?) (-?\d[\d.]*(?:e[-+]?\d+)?)(?: ([\w/^]+))?(?=,|$)", measured[1])
+        told = {key.replace(" ", "_"): float(value) / UNITS.get(unit, 1.0) for key, value, unit in numbers}
+        missing = sorted(set(kept["measures"]) - set(told) - {of for of, value in kept["measures"].items() if value is None})
+        # To four digits.
+        wrong = [f"{of} {value}" for of, value in told.items() if of in kept["measures"] and not is_near(value, kept["measures"][of], kept.get("bands", {}).get(of, table)["relative"] + 6e-4)]
+        if missing or wrong:
+            yield f"{GALLERY.relative_to(ROOT)}: {name} is not that of the table ({', '.join(wrong + missing)}): `scripts/gallery.py` makes it anew"
 
 
 def main():
@@ -182,6 +235,7 @@ def main():
             TABLE.write_text(json.dumps(table, indent=2) + "\n")
     count, wrong = texts(decks, arguments.update)
     troubles += wrong
+    troubles += gallery(decks, table)
     if not count:
         troubles.append("no number of the texts names where it comes from")
     print("\n".join(troubles) or f"{len(decks)} decks, {count} numbers in texts: as kept")

@@ -30,6 +30,7 @@ pub(crate) fn refuse(error: &clap::Error, given: &[OsString]) -> u8 {
 Getting started:
   sphorge run iron-plate              run a Taylor impact, a few seconds
   sphorge plot out/iron-plate         draw pictures of it
+  sphorge view out/iron-plate         look at it in a browser
   sphorge decks                       list all shipped decks
   sphorge decks iron-plate > my.toml  start a deck of your own
 
@@ -58,6 +59,8 @@ pub(crate) enum Command {
     /// Draw pictures of runs: particles and history curves
     // It has by far the most options.
     Plot(Box<plot::PlotArguments>),
+    /// Look at runs in a browser, also while they go on: fields, sections, history, single particles
+    View(Box<view::ViewArguments>),
     /// Run a deck with every combination of some values of some keys, and list what was measured
     Sweep(sweep::SweepArguments),
     /// Run a deck at several particle spacings: order of convergence and limit of every measure
@@ -90,6 +93,7 @@ impl Command {
             Self::Decks(arguments) => decks::execute(arguments),
             Self::Materials(arguments) => materials::execute(arguments),
             Self::Plot(arguments) => plot::execute(&arguments),
+            Self::View(arguments) => view::execute(&arguments),
             Self::Sweep(arguments) => sweep::execute(arguments, program),
             Self::Convergence(arguments) => convergence::execute(arguments, program),
             Self::Compare(arguments) => compare::execute(arguments),

@@ -101,9 +101,25 @@ impl FoundDeck {
         }
     }
 
-    /// Keys that are set already.
-    pub(crate) fn sets(&self, key: &str) -> bool {
-        self.overrides.iter().any(|(set, _)| set == key)
+    /// A key that is set already and would be undone by setting this one.
+    pub(crate) fn sets(&self, key: &str) -> Option<&str> {
+        let text = match &self.source {
+            Source::Shipped(shipped) => shipped.text.to_owned(),
+            // What cannot be read is told when the deck is.
+            Source::File(path) => deck::read_deck(path).unwrap_or_default(),
+        };
+        deck::undone_by(&text, &self.overrides, key)
+    }
+
+    /// Refuses keys that are set and varied.
+    pub(crate) fn refuse_set_keys<'a>(&self, mut varied: impl Iterator<Item = &'a str>) -> Result<(), Failure> {
+        let Some((varied, set)) = varied.find_map(|key| self.sets(key).map(|set| (key, set))) else { return Ok(()) };
+        let what = if set == varied {
+            format!("`{set}` is set and varied")
+        } else {
+            format!("`{set}` is set, and `{varied}`, which is varied, sets the same")
+        };
+        Err(Failure::bad_input(what, "leave out its `--set`, or `--precision`"))
     }
 }
 

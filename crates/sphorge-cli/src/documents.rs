@@ -1,5 +1,7 @@
 //! Tests that keep the documents true: the paths they name exist, the commands they show parse.
 
+mod architecture;
+
 use crate::arguments::Arguments;
 use clap::{CommandFactory, Parser};
 use std::{
@@ -23,6 +25,31 @@ fn spans_and_links(text: &str) -> (Vec<String>, Vec<String>) {
     (spans, links)
 }
 
+/// The text with the paths in its tables as they are from the top of the repository: in a column whose heading names a folder, they
+/// start there, unless they are at the top.
+fn expanded(text: &str) -> String {
+    let (mut folders, mut is_inside) = (Vec::new(), false);
+    let mut lines = Vec::new();
+    for line in text.lines() {
+        let is_row = line.starts_with('|');
+        let cells: Vec<Vec<&str>> = line.split('|').map(|cell| cell.split('`').collect()).collect();
+        if is_row && !is_inside {
+            folders = cells.iter().map(|cell| cell.get(1).copied().filter(|span| span.ends_with('/'))).collect();
+        }
+        let cell = |(column, cell): (usize, &Vec<&str>)| {
+            let folder = folders.get(column).copied().flatten().filter(|_| is_row && is_inside);
+            let span = |(k, part): (usize, &&str)| match folder {
+                Some(folder) if k % 2 == 1 && is_path(part) && !root().join(part).exists() => format!("{folder}{part}"),
+                _ => (*part).to_owned(),
+            };
+            cell.iter().enumerate().map(span).collect::<Vec<_>>().join("`")
+        };
+        lines.push(cells.iter().enumerate().map(cell).collect::<Vec<_>>().join("|"));
+        is_inside = is_row;
+    }
+    lines.join("\n")
+}
+
 /// Pages of the user guide.
 fn guide() -> Vec<String> {
     let files = fs::read_dir(root().join("docs/guide")).expect("the guide");
@@ -43,12 +70,11 @@ fn is_path(span: &str) -> bool {
 
 #[test]
 fn every_path_in_the_documents_exists() {
-    for document in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"] {
-        let (spans, links) = spans_and_links(&read(document));
+    for document in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "AGENTS.md", "docs/design.md"] {
+        let (spans, links) = spans_and_links(&expanded(&read(document)));
         let mut missing: Vec<_> =
             spans.iter().filter(|span| is_path(span)).filter(|span| !root().join(span.as_str()).exists()).collect();
-        let file = |link: &str| link.split('#').next().unwrap_or_default().to_owned();
-        missing.extend(links.iter().filter(|link| !link.contains("://") && !root().join(file(link)).exists()));
+        missing.extend(links.iter().filter(|link| !link.contains("://") && !leads_somewhere(document, link)));
         assert!(missing.is_empty(), "{document} names what is not there: {missing:?}");
     }
 }
@@ -61,6 +87,15 @@ fn anchors(text: &str) -> Vec<String> {
     headings.map(|heading| heading.to_lowercase().chars().filter(kept).collect::<String>().replace(' ', "-")).collect()
 }
 
+/// Whether a page has a file beside it, and a heading in that file, to which it links.
+fn leads_somewhere(page: &str, link: &str) -> bool {
+    let (file, heading) = link.split_once('#').unwrap_or((link, ""));
+    let path = root().join(page);
+    let target = if file.is_empty() { path } else { path.with_file_name(file) };
+    target.exists()
+        && (heading.is_empty() || anchors(&fs::read_to_string(target).unwrap()).contains(&heading.to_owned()))
+}
+
 #[test]
 fn every_link_of_the_book_leads_to_a_page_and_a_heading() {
     let files = fs::read_dir(root().join("docs")).expect("the book");
@@ -70,17 +105,28 @@ fn every_link_of_the_book_leads_to_a_page_and_a_heading() {
     let mut links = 0;
     for page in &pages {
         for link in spans_and_links(&read(page)).1.iter().filter(|link| !link.contains("://")) {
-            let (file, heading) = link.split_once('#').unwrap_or((link, ""));
-            let path = root().join(page);
-            let target = if file.is_empty() { path } else { path.with_file_name(file) };
-            assert!(target.exists(), "{page}: {link}: no such file");
-            let is_known =
-                heading.is_empty() || anchors(&fs::read_to_string(target).unwrap()).contains(&heading.to_owned());
-            assert!(is_known, "{page}: {link}: no such heading");
+            assert!(leads_somewhere(page, link), "{page}: {link}: no such file, or no such heading in it");
             links += 1;
         }
     }
     assert!(links > 80, "{links}");
+}
+
+#[test]
+fn the_gallery_has_every_shipped_deck_as_it_is_with_its_pictures() {
+    let text = read("docs/guide/gallery.md");
+    for deck in sphorge::decks::DECKS {
+        let section = text.split(&format!("\n## {}\n", deck.name)).nth(1).unwrap_or_else(|| panic!("no {}", deck.name));
+        let section = section.split("\n## ").next().unwrap_or_default();
+        let shown = section.split("```toml\n").nth(1).and_then(|rest| rest.split("\n```").next());
+        assert_eq!(shown, Some(deck.text.trim_end()), "{}: make the gallery again with scripts/gallery.py", deck.name);
+        assert!(section.contains(&format!("sphorge run {}\n", deck.name)) || section.contains("Coarser than shipped"));
+        for picture in [format!("{}.webp", deck.name), format!("{}-moving.webp", deck.name)] {
+            let path = root().join("docs/images/gallery").join(&picture);
+            let bytes = fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+            assert!(bytes.starts_with(b"RIFF") && bytes[8..12] == *b"WEBP" && section.contains(&picture));
+        }
+    }
 }
 
 #[test]
@@ -194,6 +240,7 @@ fn every_command_in_the_documents_parses() {
         "README.md",
         "ARCHITECTURE.md",
         "CONTRIBUTING.md",
+        "AGENTS.md",
         "docs/adaptive-search.md",
         "docs/cluster.md",
         "docs/gpu.md",
@@ -242,7 +289,9 @@ fn is_known_shell(words: &[String]) -> bool {
         ["cargo", "test" | "mutants", "-p", package, ..] => root().join("crates").join(package).exists(),
         ["mdbook", "build", folder] => root().join(folder).join("book.toml").exists(),
         ["cargo", "install", "--path", path] => root().join(path).join("Cargo.toml").exists(),
-        [script] | ["python3", script, ..] | [script @ ("scripts/fuzz.sh" | "scripts/measure_gpu.sh"), ..] => {
+        [variable, rest @ ..] if variable.contains('=') && !rest.is_empty() => is_known_shell(&words[1..]),
+        [script] | ["python3", script, ..] => root().join(script).exists(),
+        [script @ ("scripts/cuda_stand_in.sh" | "scripts/fuzz.sh" | "scripts/measure_gpu.sh"), ..] => {
             root().join(script).exists()
         }
         _ => false,

@@ -41,7 +41,9 @@ pub(crate) fn engines_to_resume(device: Option<&str>) -> Result<Vec<Arc<dyn Engi
 pub(crate) fn no_cards() -> Failure {
     Failure::bad_input(
         "this program was built without the engine for graphics cards".to_owned(),
-        "build it with `cargo build --release --features gpu`, or run on the processor with `--engine cpu`".to_owned(),
+        "build the program with `cargo build --release --features gpu`, or the package for Python with `maturin build --features gpu` in \
+         crates/sphorge-py; or run on the processor with `--engine cpu`"
+            .to_owned(),
     )
 }
 
@@ -130,7 +132,7 @@ impl EngineArguments {
     }
 }
 
-/// Measures what a card can do, and makes an engine that waits for each of its kernels.
+/// Measures what a card can do, and makes an engine that can wait for each of its kernels.
 #[cfg(feature = "gpu")]
 fn of_card(device: Option<&str>) -> Result<KernelTimes, Failure> {
     use sphorge::bench::KernelRow;
@@ -150,7 +152,8 @@ fn of_card(device: Option<&str>) -> Result<KernelTimes, Failure> {
         launch_seconds: measured.launch_seconds,
     };
     let profile = Profile::default();
-    let (clearing, taking) = (profile.clone(), profile.clone());
+    profile.pause(true);
+    let (pausing, clearing, taking) = (profile.clone(), profile.clone(), profile.clone());
     let take = move |steps: u64| {
         let times = taking.take();
         let all: f64 = times.iter().map(|of| of.seconds).sum();
@@ -171,6 +174,7 @@ fn of_card(device: Option<&str>) -> Result<KernelTimes, Failure> {
     };
     let clock = KernelClock {
         engine: Arc::new(Gpu { device: device.map(str::to_owned), number: 0, profile: Some(profile) }),
+        pause: Arc::new(move |is_paused| pausing.pause(is_paused)),
         clear: Arc::new(move || clearing.clear()),
         take: Arc::new(take),
     };

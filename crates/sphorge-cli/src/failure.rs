@@ -34,6 +34,14 @@ impl Failure {
         Self::BadInput(miette::miette!(help = help.to_string(), "{message}"))
     }
 
+    /// The same when the user has been told of it.
+    pub(crate) fn told(self) -> Self {
+        match self {
+            Self::Failed(_) => Self::Told,
+            other => other,
+        }
+    }
+
     /// The report for people, if it is not told yet.
     pub(crate) fn report(&self) -> Option<&Report> {
         match self {

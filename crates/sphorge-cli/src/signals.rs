@@ -122,6 +122,11 @@ impl StopFlag {
         &self.raised
     }
 
+    /// From here on the flag is raised without a word: what it stops says so itself, or nothing.
+    pub(crate) fn be_quiet(&self) {
+        self.said.once.call_once(|| {});
+    }
+
     /// To be called when the run has ended, so that the message never comes after its report or not at all.
     pub(crate) fn finish(&self) {
         if self.raised.load(Ordering::Relaxed) {

@@ -13,6 +13,7 @@ use miette::{IntoDiagnostic, WrapErr};
 use sphorge::sweep::{self, Planned, Process, Sweep, SweepError, SweepEvent, SweepTable};
 use std::{
     ffi::OsString,
+    path::PathBuf,
     sync::{Arc, atomic::AtomicBool},
 };
 
@@ -30,6 +31,9 @@ pub(crate) struct SweepRunArguments {
     /// Make runs again that are in the output folder
     #[arg(long)]
     pub(crate) overwrite: bool,
+    /// Write the table of the runs to a Parquet file, too
+    #[arg(long, value_name = "FILE")]
+    parquet: Option<PathBuf>,
     /// List the runs that would be made, and make none
     #[arg(long)]
     dry_run: bool,
@@ -71,6 +75,10 @@ impl SweepRunArguments {
             terminal::path(&sweep.folder),
             readable::threads(process.threads)
         ));
+        for (note, first, runs) in sweep.notes() {
+            let others = if runs > 1 { format!(" and {} more", runs - 1) } else { String::new() };
+            say(&format!("note: {}{others}: {note}", sweep.runs[first].name));
+        }
         let is_quiet = self.quiet;
         let asked = move || {
             if !is_quiet {
@@ -98,7 +106,15 @@ impl SweepRunArguments {
         let table = sweep::execute(sweep, &process, stop.flag(), &tell);
         stop.finish();
         let is_stopped = stop.flag().load(std::sync::atomic::Ordering::Relaxed);
-        table.map(|table| (table, is_stopped)).map_err(|error| Err(Failure::Failed(error.into())))
+        let table = table.map_err(|error| match error {
+            // The folder is another one's.
+            SweepError::Locked { .. } | SweepError::Another { .. } => Err(failure(error)),
+            error => Err(Failure::Failed(error.into())),
+        })?;
+        if let Some(path) = &self.parquet {
+            table.write_parquet(path).map_err(|error| Err(Failure::Failed(error.into())))?;
+        }
+        Ok((table, is_stopped))
     }
 
     /// Lists what would be run.

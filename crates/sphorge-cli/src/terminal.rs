@@ -14,6 +14,7 @@ use std::{
     io::{self, Write},
     path::Path,
 };
+use textwrap::{WordSeparator, WordSplitter};
 
 /// Prints text to standard output.
 ///
@@ -46,14 +47,19 @@ pub(crate) fn report(report: &Report) {
 
 /// A diagnostic as a terminal without colours shows it, for whoever shows it elsewhere.
 pub fn text_of(diagnostic: &dyn Diagnostic) -> String {
+    text_of_in(diagnostic, str::to_owned)
+}
+
+/// The same in other words: of each message, hint and label.
+pub fn text_of_in(diagnostic: &dyn Diagnostic, words: fn(&str) -> String) -> String {
     struct Uncoloured<'a>(Plain<'a>);
     impl fmt::Debug for Uncoloured<'_> {
         fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            let options = MietteHandlerOpts::new().color(false).unicode(true).width(100).force_graphical(true);
+            let options = options().color(false).unicode(true).width(100).force_graphical(true);
             options.build().debug(&self.0, f)
         }
     }
-    format!("{:?}", Uncoloured(Plain::of(diagnostic))).trim_end().to_owned()
+    format!("{:?}", Uncoloured(Plain::in_words(diagnostic, words))).trim_end().to_owned()
 }
 
 /// The text with everything written out that would do something to a terminal, but for ends of lines and tabs.
@@ -79,12 +85,17 @@ pub(crate) fn path(path: &Path) -> String {
     one_line(&path.display().to_string())
 }
 
+/// How miette shows diagnostics: lines are broken at spaces alone, so that keys and paths can be copied.
+fn options() -> MietteHandlerOpts {
+    MietteHandlerOpts::new().word_separator(WordSeparator::AsciiSpace).word_splitter(WordSplitter::NoHyphenation)
+}
+
 /// A diagnostic as miette shows it.
 struct Shown<'a>(&'a Plain<'a>);
 
 impl fmt::Debug for Shown<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        MietteHandlerOpts::new().build().debug(self.0, f)
+        options().build().debug(self.0, f)
     }
 }
 
@@ -92,6 +103,7 @@ impl fmt::Debug for Shown<'_> {
 #[derive(Debug)]
 struct Plain<'a> {
     of: &'a dyn Diagnostic,
+    words: fn(&str) -> String,
     message: String,
     cause: Option<Cause>,
     source: Option<Box<Plain<'a>>>,
@@ -106,8 +118,9 @@ struct Cause {
 }
 
 impl Cause {
-    fn of(error: &dyn Error) -> Self {
-        Self { message: plain(&error.to_string()), cause: error.source().map(|cause| Box::new(Self::of(cause))) }
+    fn of(error: &dyn Error, words: fn(&str) -> String) -> Self {
+        let cause = error.source().map(|cause| Box::new(Self::of(cause, words)));
+        Self { message: words(&plain(&error.to_string())), cause }
     }
 }
 
@@ -125,12 +138,18 @@ impl Error for Cause {
 
 impl<'a> Plain<'a> {
     fn of(diagnostic: &'a dyn Diagnostic) -> Self {
+        Self::in_words(diagnostic, str::to_owned)
+    }
+
+    fn in_words(diagnostic: &'a dyn Diagnostic, words: fn(&str) -> String) -> Self {
+        let of = |diagnostic| Self::in_words(diagnostic, words);
         Self {
             of: diagnostic,
-            message: plain(&diagnostic.to_string()),
-            cause: diagnostic.source().map(Cause::of),
-            source: diagnostic.diagnostic_source().map(|source| Box::new(Self::of(source))),
-            related: diagnostic.related().into_iter().flatten().map(Self::of).collect(),
+            words,
+            message: words(&plain(&diagnostic.to_string())),
+            cause: diagnostic.source().map(|cause| Cause::of(cause, words)),
+            source: diagnostic.diagnostic_source().map(|source| Box::new(of(source))),
+            related: diagnostic.related().into_iter().flatten().map(of).collect(),
         }
     }
 }
@@ -149,13 +168,16 @@ impl Error for Plain<'_> {
 
 impl Diagnostic for Plain<'_> {
     fn code<'b>(&'b self) -> Option<Box<dyn fmt::Display + 'b>> {
-        self.of.code()
+        let code = self.of.code()?.to_string();
+        // Diagnostics are named by their path in the library, which is nothing to a user: `sphorge::output::not_a_run` is `not-a-run`.
+        let name = code.rsplit("::").next().unwrap_or_default().replace('_', "-");
+        Some(Box::new(name))
     }
     fn severity(&self) -> Option<Severity> {
         self.of.severity()
     }
     fn help<'b>(&'b self) -> Option<Box<dyn fmt::Display + 'b>> {
-        self.of.help().map(|help| Box::new(plain(&help.to_string())) as _)
+        self.of.help().map(|help| Box::new((self.words)(&plain(&help.to_string()))) as _)
     }
     fn url<'b>(&'b self) -> Option<Box<dyn fmt::Display + 'b>> {
         self.of.url()
@@ -165,8 +187,9 @@ impl Diagnostic for Plain<'_> {
         self.of.source_code()
     }
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let plain = |label: LabeledSpan| {
-            let text = label.label().map(plain);
+        let words = self.words;
+        let plain = move |label: LabeledSpan| {
+            let text = label.label().map(|text| words(&plain(text)));
             let place = *label.inner();
             if label.primary() {
                 LabeledSpan::new_primary_with_span(text, place)
@@ -208,6 +231,13 @@ mod tests {
     const FOREIGN: &str = "a\u{1b}[31mred\r\u{9b}2J\u{202e}é\tb\n";
 
     #[test]
+    fn a_diagnostic_is_named_by_a_word() {
+        let error = sphorge::output::OutputError::NotARun { path: "out".into() };
+        let text = text_of(&error);
+        assert!(text.starts_with("not-a-run\n") && !text.contains("::"), "{text}");
+    }
+
+    #[test]
     fn what_moves_the_cursor_or_colours_is_written_out() {
         assert_eq!(plain(FOREIGN), "a\\u{1b}[31mred\\r\\u{9b}2J\\u{202e}é\tb\n");
         assert_eq!(path(Path::new(FOREIGN)), "a\\u{1b}[31mred\\r\\u{9b}2J\\u{202e}é\tb\\n");
@@ -227,7 +257,7 @@ mod tests {
         let nested = miette::miette!(help = FOREIGN, labels = vec![LabeledSpan::at(0..1, FOREIGN)], "{FOREIGN}");
         for report in [report, nested.with_source_code("abc")] {
             let handler = |color| {
-                let options = MietteHandlerOpts::new().color(color).force_graphical(true).unicode(true).width(200);
+                let options = options().color(color).force_graphical(true).unicode(true).width(200);
                 let mut text = String::new();
                 struct By<'a>(miette::MietteHandler, &'a Report);
                 impl fmt::Debug for By<'_> {

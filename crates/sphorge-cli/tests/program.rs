@@ -71,7 +71,12 @@ fn shipped_decks_run_by_name_from_anywhere() {
     let listed = place.run(&["decks"]).expect_code(0).out;
     assert!(listed.contains("block"), "{listed}");
     let text = place.run(&["decks", "block"]).expect_code(0).out;
-    assert!(text.contains("[[body]]"), "{text}");
+    // The line for editors, then the deck as it is shipped.
+    let (first, rest) = text.split_once('\n').unwrap();
+    assert_eq!(first, "#:schema deck.schema.json");
+    assert_eq!(rest, include_str!("../../../decks/block.toml"));
+    fs::write(place.path("own.toml"), &text).unwrap();
+    place.run(&["check", "own.toml"]).expect_code(0);
     place.run(&["run", "block", "--set", "particles.spacing=\"10 mm\"", "--set", "time.max-steps=2"]).expect_code(0);
     assert_eq!(place.summary("out/block")["end_reason"], "max-steps");
     place.run(&["decks", "blok"]).expect_code(2).expect_told(&["no shipped deck `blok`"]);
@@ -163,6 +168,10 @@ fn a_run_is_drawn_and_compared() {
         (vec!["--field", "pressure", "--frames", "all,2"], "--frames all"),
         (vec!["--field", "pressure", "--field", "velocity", "-o", "p.svg"], "several pictures"),
         (vec!["--field", "pressure", "--mirror"], "no plane of symmetry"),
+        (vec!["--field", "pressure", "--mirror=w"], "`x,y`"),
+        (vec!["--field", "pressure", "--frames", "99"], "there is no frame 99: the run has frames 0 to"),
+        (vec!["--field", "pressure", "--animate", "-o", "a.mp4"], "`ffmpeg -i name.png name.mp4`"),
+        (vec!["--field", "pressure", "--animate", "-o", "a.svg"], "an animation is an animated PNG file"),
         (vec!["--column", "height", "--width", "1 um"], "40 mm"),
         (vec!["--column", "height", "--dpi", "5000"], "1200"),
         (vec!["b", "--field", "pressure", "--animate"], "one run"),

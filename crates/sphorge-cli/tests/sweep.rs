@@ -82,6 +82,10 @@ fn what_is_wrong_is_told_before_the_first_run() {
     sweep(&["--vary", "body.plat.velocity.1=1 m/s"])
         .expect_told(&["`body` has no entry `plat`", "did you mean `plate`?"]);
     sweep(&["--vary", "time.end=1 us", "--set", "time.end=2 us"]).expect_told(&["`time.end` is set and varied"]);
+    sweep(&["--vary", "\"time\".end=1 us", "--set", "time.end=2 us"])
+        .expect_told(&["`time.end` is set, and `\"time\".end`, which is varied, sets the same"]);
+    sweep(&["--vary", SPEEDS, "--vary", "body.0.velocity=[0,-1],[0,-2]"])
+        .expect_told(&["`body.plate.velocity.1` and `body.0.velocity` set the same"]);
     sweep(&["--vary", SPACINGS, "--plot", "heigt"]).expect_told(&["no measure `heigt`", "did you mean `height`?"]);
     sweep(&["--vary", SPACINGS, "--plot", "height", "--over", "time.end"]).expect_told(&["`time.end` is not varied"]);
     sweep(&["--vary", "search=skin,every-step", "--plot", "height"]).expect_told(&["are not numbers"]);

@@ -5,6 +5,7 @@ use sphorge_engine::model::{
     Body, BodyContact, Dimensions, Formulation, Integrator, Model, Precision, Search, WallSurface,
 };
 use sphorge_physics::flow::FlowState;
+use sphorge_physics::integrity::smeared_width;
 
 /// Damage number `rho v^2 / Y` (Johnson 1972) from which on metal comes apart, and from which on it flows enough to shorten the time step.
 const HYPERVELOCITY: f64 = 100.0;
@@ -44,7 +45,36 @@ pub fn advice(model: &Model, particles: &Particles) -> Advice {
 /// What makes the results of a method wrong for a deck, said by `sphorge run`, too.
 pub(crate) fn doubts(model: &Model, particles: &Particles) -> Vec<String> {
     let rounded = rounded_positions(model, particles).into_iter();
-    rounded.chain(beyond_metals(model, particles)).chain(thrown_back(model, particles)).collect()
+    rounded
+        .chain(beyond_metals(model, particles))
+        .chain(thrown_back(model, particles))
+        .chain(too_coarse_to_break(model))
+        .collect()
+}
+
+/// Bodies in which a crack takes more than their material states, because integrity would fall faster than their particles unload.
+fn too_coarse_to_break(model: &Model) -> Vec<String> {
+    let support = model.numerics.kernel.support();
+    let told = |body: &Body| {
+        let material = &model.materials[body.material];
+        let damage = material.damage?;
+        let state = material.flow_state(0.0, body.temperature, material.density, 0.0);
+        let history: Vec<f64> = material.flow_law.history().iter().map(|variable| variable.initial).collect();
+        let stress = damage.law.strength().unwrap_or(material.flow_law.yield_stress(state, &history).value);
+        let size = smeared_width(support, body.smoothing_length);
+        let most = damage.softening.largest_size(stress, material.moduli(material.shear_modulus))?;
+        (stress.is_finite() && size > most).then(|| {
+            format!(
+                "body `{}` is too coarse for the cracks of its material: at a spacing of {:.3} mm they take {:.1} times as much as stated; they would not \
+                 below {:.3} mm",
+                body.name,
+                1e3 * body.spacing,
+                size / most,
+                1e3 * body.spacing * most / size
+            )
+        })
+    };
+    model.bodies.iter().filter_map(told).collect()
 }
 
 /// Speed of an impact over the sound speed from which on a fluid splashes.

@@ -37,6 +37,23 @@ pub fn read_quantity(text: &str, unit: &str) -> Result<f64, String> {
     })
 }
 
+/// The same of the difference of two quantities: `5 degC` is 5 K.
+///
+/// # Errors
+/// As above.
+pub fn read_difference(text: &str, unit: &str) -> Result<f64, String> {
+    let value = read_quantity(text, unit)?;
+    let body = text.trim();
+    let own = number_length(body).and_then(|(_, end)| parse_unit(&body[end..]).ok());
+    match own.filter(|own| own.offset != 0.0) {
+        // Not the value less the offset, which would round it.
+        Some(own) => {
+            read_quantity(body[..number_length(body).map_or(0, |(_, end)| end)].trim(), unit).map(|x| x * own.factor)
+        }
+        None => Ok(value),
+    }
+}
+
 /// What a key of a deck asks for: a quantity.
 fn quantity_at(path: &str) -> Option<QuantityKind> {
     fn kind(expected: &Expected) -> Option<QuantityKind> {
@@ -120,5 +137,15 @@ mod tests {
         let error = read_quantity("12 mm", "s").unwrap_err();
         assert!(error.contains("found a length") && error.contains("60 us"), "{error}");
         assert!(read_quantity("soon", "s").is_err());
+    }
+
+    #[test]
+    fn differences_have_no_offset() {
+        assert_eq!(read_quantity("20 degC", "K"), Ok(293.15));
+        assert_eq!(read_difference("5 degC", "K"), Ok(5.0));
+        assert_eq!(read_difference("-0.5 degC", "K"), Ok(-0.5));
+        assert_eq!((read_difference("5 K", "K"), read_difference("0.1 mm", "m")), (Ok(5.0), Ok(1e-4)));
+        assert_eq!(read_difference("0.1", "m"), Ok(0.1));
+        assert!(read_difference("5 degC", "m").is_err());
     }
 }

@@ -5,11 +5,12 @@ use super::method::{Method, WallContactKind};
 use super::strategy::Strategy;
 use super::value::Choices;
 use sphorge_engine::model::{
-    Arrangement, CraterEdge, Dimensions, GradientCorrection, Integrator, LatticePlacement, Precision, Search,
-    TemperatureSource, WarningKind,
+    Arrangement, CraterEdge, Dimensions, FragmentQuantity, GradientCorrection, Integrator, LatticePlacement, Precision,
+    Search, TemperatureSource, WarningKind,
 };
 use sphorge_engine::particles::{FIELDS, FieldInfo};
 use sphorge_physics::{
+    damage::AfterFailure,
     kernel::Kernel,
     pair::{EnergySplit, PairForm},
     return_mapping::ReturnRule,
@@ -68,6 +69,11 @@ words! {
         "radial-return" => ReturnRule::RadialReturn, "factor yield stress over equivalent stress";
         "benz-asphaug" => ReturnRule::BenzAsphaug, "the square of that factor (Patiño et al. Eq 28 as printed)";
     }
+    AfterFailureWord, "behaviour after failure", AfterFailure {
+        "no-tension" => AfterFailure::NoTension, "bears pressure, no tension and no shear";
+        "fluid" => AfterFailure::Fluid, "bears pressure, tension up to `spall-pressure`, and no shear";
+        "delete" => AfterFailure::Delete, "bears nothing, and keeps its mass and its velocity";
+    }
     SmoothingLengthWord, "smoothing length rule", bool {
         "constant" => false, "as at the start";
         "follow-density" => true, "grows where material expands and shrinks where it is compressed, at most by a factor of 2";
@@ -125,6 +131,12 @@ words! {
         "clear" => CraterEdge::Clear, "the clear opening";
         "entry-lips" => CraterEdge::EntryLips, "from crest to crest of the lips on the entry side";
         "exit-lips" => CraterEdge::ExitLips, "from crest to crest of the lips on the exit side";
+    }
+    FragmentWord, "quantity of fragments", FragmentQuantity {
+        "number" => FragmentQuantity::Number, "how many there are";
+        "largest" => FragmentQuantity::Largest, "mass of the heaviest";
+        "second" => FragmentQuantity::Second, "mass of the second heaviest, such as a plug";
+        "loose" => FragmentQuantity::Loose, "mass of the particles of the body that are part of no fragment";
     }
     SideWord, "side", f64 {
         "positive" => 1.0, "towards larger coordinates";

@@ -15,7 +15,7 @@ macro_rules! shipped {
     ($( $name:literal, )+) => {
         /// Every file of the folder `decks`, in the order they are best shown in.
         pub const DECKS: &[ShippedDeck] = &[ $(
-            ShippedDeck { name: $name, text: include_str!(concat!("../../../decks/", $name, ".toml")) },
+            ShippedDeck { name: $name, text: include_str!(concat!("../decks/", $name, ".toml")) },
         )+ ];
     };
 }

@@ -10,6 +10,7 @@ mod closeness;
 pub mod decks;
 mod declare;
 pub(crate) mod defaults;
+mod driven;
 mod expected;
 mod fault;
 mod heat;
@@ -22,6 +23,7 @@ mod overrides;
 mod placement;
 mod printable;
 pub(crate) mod quantity;
+mod quarters;
 pub(crate) mod raw;
 mod reach;
 mod report;
@@ -38,8 +40,12 @@ mod written;
 mod tests;
 
 pub use advice::{Advice, advice};
-pub use argument::{quantity_of_key, read_quantity};
-pub use load::{Setup, load, load_model, load_text, load_text_of, load_text_within, read_deck, with_overrides};
+pub use argument::{quantity_of_key, read_difference, read_quantity};
+pub use driven::{is_marked_as_driven, marked_as_driven, without_driven_mark};
+pub use load::{
+    Setup, load, load_model, load_text, load_text_model, load_text_of, load_text_within, overlapping_keys, read_deck,
+    undone_by, with_overrides,
+};
 pub use printable::moves_the_cursor;
 pub use report::{DeckReport, Problem};
 pub use schema::schema;

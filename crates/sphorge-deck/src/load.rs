@@ -4,8 +4,8 @@ use super::fault::Problems;
 use super::interpret::{Interpreted, interpret};
 use super::raw::RawDeck;
 use super::report::DeckReport;
-use super::slips::slips;
-use super::{advice, closeness, heat, keys, overrides, placement};
+use super::slips::{slips, slips_unless_driven};
+use super::{advice, closeness, driven, heat, keys, overrides, placement, quarters};
 use sphorge_engine::{
     Particles,
     geometry::{self, FilledMass},
@@ -33,9 +33,18 @@ pub struct Setup {
     /// What the user should know before the run, such as keys that the chosen form does without, a material that is
     /// probably not meant, or a spacing that does not fit a body.
     pub notes: Vec<String>,
+    /// What is only true where no program gives loads or velocities: that nothing moves, or meets nothing.
+    pub notes_unless_driven: Vec<String>,
     /// What is doubtful of materials of the catalogue that the deck uses as they are published: no choice of the deck, so that `run` does
     /// not say it of every run, `check` and `sphorge materials NAME` do.
     pub catalogue_notes: Vec<String>,
+}
+
+impl Setup {
+    /// Both kinds of notes of a run that no program drives.
+    pub fn all_notes(&self) -> Vec<String> {
+        self.notes_unless_driven.iter().chain(&self.notes).cloned().collect()
+    }
 }
 
 /// Longest deck, bytes: read in seconds. Numbers by the thousand belong into a file of their own.
@@ -104,6 +113,19 @@ pub fn with_overrides(text: &str, overrides: &[(String, String)]) -> Result<Stri
     }
 }
 
+/// The numbers of the first two keys that set the same place of a deck, or one a part of what the other sets, however they are written:
+/// `body.0.velocity` and `body.bar.velocity.1`. Keys that lead nowhere are none of them.
+pub fn overlapping_keys(text: &str, keys: &[&str]) -> Option<(usize, usize)> {
+    overrides::overlapping(text, keys)
+}
+
+/// The first of some keys that were set whose value is undone by setting another one: the same, however it is written, or what it is a part of.
+pub fn undone_by<'a>(text: &str, set: &'a [(String, String)], key: &str) -> Option<&'a str> {
+    let whole = with_overrides(text, set);
+    let text = whole.as_deref().unwrap_or(text);
+    set.iter().map(|(known, _)| known.as_str()).find(|known| *known == key || overrides::is_within(text, known, key))
+}
+
 /// The model of a deck file, without particles.
 ///
 /// # Errors
@@ -115,6 +137,16 @@ pub fn load_model(path: &Path) -> Result<Model, DeckReport> {
     })?;
     let mut problems = Problems::new(&shown, &text).with_folder(path.parent().unwrap_or(Path::new("")));
     Ok(read_model("deck", &mut problems)?.model)
+}
+
+/// The model of a deck in memory, without particles.
+///
+/// # Errors
+/// What is wrong with the overrides or the deck, apart from the placement of bodies.
+pub fn load_text_model(name: &str, text: &str, overrides: &[(String, String)]) -> Result<Model, DeckReport> {
+    let text = with_overrides(text, overrides)?;
+    let mut problems = Problems::new(name, &text);
+    Ok(read_model(name, &mut problems)?.model)
 }
 
 /// Reads a deck from memory, of any number of particles a run can have; `name` names the model and stands in diagnostics.
@@ -171,8 +203,11 @@ pub(super) fn read(
             notes.extend(advice::doubts(&model, &particles));
             notes.extend(heat::notes(&model, &particles));
             notes.extend(closeness::notes(&model, &particles));
+            notes.extend(quarters::notes(&model, &particles));
+            let mut notes_unless_driven: Vec<String> = driven::note(&deck_text).into_iter().collect();
+            notes_unless_driven.extend(slips_unless_driven(&model, &particles));
             let deck_text = with_whole_paths(deck_text, &model)?;
-            Ok(Setup { deck_text, model, particles, masses, notes, catalogue_notes })
+            Ok(Setup { deck_text, model, particles, masses, notes, notes_unless_driven, catalogue_notes })
         }
         Err(errors) => {
             for error in errors {

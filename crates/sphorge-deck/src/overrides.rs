@@ -88,6 +88,80 @@ fn set(document: &mut DocumentMut, path: &str, value: &str) -> Result<(), Fault>
     set_in_table(document.as_table_mut(), DECK, &segments, "", parse_value(value), false)
 }
 
+/// The first two of these paths that lead to the same place of a deck, or one into what the other leads to, however they are written.
+pub(crate) fn overlapping(text: &str, paths: &[&str]) -> Option<(usize, usize)> {
+    let document = text.parse::<DocumentMut>().ok()?;
+    // What leads nowhere is told when it is set.
+    let places: Vec<_> = paths.iter().map(|path| place_of(&document, path)).collect();
+    let is_in = |a: &[String], b: &[String]| a.starts_with(b) || b.starts_with(a);
+    let overlap = |b: usize, a: usize| places[a].as_ref().zip(places[b].as_ref()).is_some_and(|(a, b)| is_in(a, b));
+    (0..paths.len()).find_map(|b| (0..b).find(|&a| overlap(b, a)).map(|a| (a, b)))
+}
+
+/// Whether a path leads to the same place of a deck as another, or into what that leads to.
+pub(crate) fn is_within(text: &str, path: &str, whole: &str) -> bool {
+    let deck = text.parse::<DocumentMut>().ok();
+    let places = deck.and_then(|deck| place_of(&deck, path).zip(place_of(&deck, whole)));
+    places.is_some_and(|(place, whole)| place.starts_with(&whole))
+}
+
+/// Where a path leads: names in tables, and numbers in lists, whose entries may have been chosen by name.
+fn place_of(document: &DocumentMut, path: &str) -> Option<Vec<String>> {
+    let mut at = Some(Seen::Item(document.as_item()));
+    let mut place = Vec::new();
+    for segment in segments(path).ok()? {
+        let index = match at.and_then(Seen::names) {
+            Some(names) => Some(choose(names, &segment, "").ok()?),
+            None => None,
+        };
+        at = at.and_then(|seen| seen.child(&segment.key, index));
+        place.push(index.map_or(segment.key, |index| index.to_string()));
+    }
+    Some(place)
+}
+
+/// An entry of a document that is only looked at.
+#[derive(Clone, Copy)]
+enum Seen<'a> {
+    Item(&'a Item),
+    Value(&'a Value),
+    Table(&'a Table),
+}
+
+impl<'a> Seen<'a> {
+    /// Names of the entries of a list.
+    fn names(self) -> Option<Vec<Option<String>>> {
+        match self {
+            Self::Item(Item::ArrayOfTables(tables)) => {
+                Some(tables.iter().map(|table| table.get("name").and_then(Item::as_str).map(str::to_owned)).collect())
+            }
+            Self::Item(Item::Value(Value::Array(entries))) | Self::Value(Value::Array(entries)) => {
+                Some(entries.iter().map(name_in).collect())
+            }
+            _ => None,
+        }
+    }
+
+    fn child(self, key: &str, index: Option<usize>) -> Option<Self> {
+        match (self, index) {
+            (Self::Item(Item::Table(table)) | Self::Table(table), None) => table.get(key).map(Self::Item),
+            (Self::Item(Item::Value(Value::InlineTable(table))) | Self::Value(Value::InlineTable(table)), None) => {
+                table.get(key).map(Self::Value)
+            }
+            (Self::Item(Item::ArrayOfTables(tables)), Some(index)) => tables.get(index).map(Self::Table),
+            (Self::Item(Item::Value(Value::Array(entries))) | Self::Value(Value::Array(entries)), Some(index)) => {
+                entries.get(index).map(Self::Value)
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Name of an entry of a list.
+fn name_in(entry: &Value) -> Option<String> {
+    entry.as_inline_table().and_then(|table| table.get("name")).and_then(Value::as_str).map(str::to_owned)
+}
+
 /// An entry of a document a path can lead through.
 enum Place<'a> {
     Item(&'a mut Item),
@@ -177,8 +251,7 @@ fn set_in_array(
     above: &str,
     value: Value,
 ) -> Result<(), Fault> {
-    let name = |v: &Value| v.as_inline_table().and_then(|t| t.get("name")).and_then(Value::as_str).map(str::to_owned);
-    let index = choose(entries.iter().map(name).collect(), &path[0], above)?;
+    let index = choose(entries.iter().map(name_in).collect(), &path[0], above)?;
     match (entries.get_mut(index), path.len()) {
         (Some(entry), 1) => {
             let decor = entry.decor().clone();
@@ -287,6 +360,37 @@ fields = ["velocity"]
         let skin = with("search.skin.fraction", "0.2");
         assert!(skin.contains("fraction = 0.2") && !skin.contains("\"skin\""), "{skin}");
         assert!(with("material.armco-iron.strength.johnson-cook.A", "1 GPa").contains("A = \"1 GPa\""));
+    }
+
+    #[test]
+    fn paths_to_one_place_are_found_however_they_are_written() {
+        let of = |a: &str, b: &str| overlapping(DECK, &["title", a, b]);
+        for (a, b) in [
+            ("particles.spacing", "\"particles\".'spacing'"),
+            ("body.1.velocity.1", "body.plate.velocity.1"),
+            ("body.plate.velocity", "body.plate.velocity.1"),
+            ("body.1.velocity.0", "body.plate.velocity"),
+            ("body.bar.shape.box.max.1", "body.0.shape.box.max.01"),
+            ("search", "search.skin.fraction"),
+            ("numerics.viscosity", "numerics.viscosity.alpha"),
+            ("material.iron.strength", "material.\"iron\".strength.johnson-cook.A"),
+            ("output.fields", "output.fields.0"),
+        ] {
+            assert_eq!(of(a, b), Some((1, 2)), "{a} {b}");
+            assert_eq!(of(b, a), Some((1, 2)), "{b} {a}");
+        }
+        assert!(is_within(DECK, "body.1.velocity.1", "body.plate.velocity"));
+        assert!(is_within(DECK, "title", "\"title\"") && !is_within(DECK, "body.1.velocity", "body.plate.velocity.1"));
+        for (a, b) in [
+            ("body.0.velocity.1", "body.plate.velocity.1"),
+            ("body.plate.velocity.0", "body.plate.velocity.1"),
+            ("particles.spacing", "particles.smoothing"),
+            ("body.bar.shape.box.min", "body.bar.shape.box.max"),
+            // What leads nowhere is refused elsewhere.
+            ("body.rod.velocity", "body.rod.velocity"),
+        ] {
+            assert_eq!(of(a, b), None, "{a} {b}");
+        }
     }
 
     #[test]

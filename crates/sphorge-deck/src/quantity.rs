@@ -50,6 +50,7 @@ kinds! {
     HEAT_FLUX, "heat flux", "W/m^2", (0, 1, -3, 0), r#""5 kW/m^2""#;
     HEAT_TRANSFER, "heat transfer coefficient", "W/(m^2 K)", (0, 1, -3, -1), r#""500 W/(m^2 K)""#;
     SPECIFIC_ENERGY, "specific energy", "J/kg", (2, 0, -2, 0), r#""250 kJ/kg""#;
+    FRACTURE_ENERGY, "energy per area", "J/m^2", (0, 1, -2, 0), r#""20 kJ/m^2""#;
     MASS, "mass", "kg", (0, 1, 0, 0), r#""12 g""#;
 }
 

@@ -209,7 +209,7 @@ mod tests {
             assert!(deck.contains(old), "{old}");
             deck = deck.replace(old, new);
         }
-        load_text("bar", &deck, &[]).unwrap().notes
+        load_text("bar", &deck, &[]).unwrap().all_notes()
     }
 
     #[track_caller]

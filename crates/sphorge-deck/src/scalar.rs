@@ -8,6 +8,9 @@ use super::written::{Content, Literal, Written};
 use sphorge_physics::parameter::Bound;
 use std::ops::Range;
 
+/// Largest magnitude of a quantity in SI units: what follows from it within a step must be a number of single precision, of which frames are made.
+const LARGEST: f64 = 1e30;
+
 /// A single value and its place.
 pub(crate) struct Scalar {
     pub(crate) literal: Literal,
@@ -58,12 +61,18 @@ impl Scalar {
                 return None;
             }
         };
-        if value.is_finite() {
-            return Some(value);
+        if !value.is_finite() {
+            let fault = self.fault("not-finite", format!("expected a finite {}", kind.name));
+            problems.push(fault.help(format!("write it as {}", kind.examples)));
+            return None;
         }
-        let fault = self.fault("not-finite", format!("expected a finite {}", kind.name));
-        problems.push(fault.help(format!("write it as {}", kind.examples)));
-        None
+        if value.abs() > LARGEST {
+            let unit = if kind.si_unit.is_empty() { String::new() } else { format!(" {}", kind.si_unit) };
+            let fault = self.fault("out-of-range", format!("the {} is too large to compute with", kind.name));
+            problems.push(fault.help(format!("the largest magnitude is {LARGEST:e}{unit}")));
+            return None;
+        }
+        Some(value)
     }
 
     /// The value as a quantity within a bound.

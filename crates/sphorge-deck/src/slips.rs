@@ -14,8 +14,7 @@ const LEAST_YIELD: f64 = 1e-6;
 const MANY_STEPS: f64 = 1e8;
 /// Speed of sound above which no matter has one, m/s.
 const FASTEST_SOUND: f64 = 1e5;
-/// Volume of a listed particle over that of the spacing, and the distance to the next one over the spacing, beyond which one of both is wrong.
-const VOLUMES: [f64; 2] = [0.1, 10.0];
+/// Distance of a listed particle to the next one over the spacing, beyond which one of both is wrong; and the edge of a cell of its volume.
 const DISTANCES: [f64; 2] = [0.6, 1.5];
 
 /// What in a deck cannot be meant.
@@ -24,21 +23,23 @@ pub(crate) fn slips(model: &Model, particles: &Particles) -> Vec<String> {
     used.sort_unstable();
     used.dedup();
     let materials = used.into_iter().filter_map(|index| of_material(&model.materials[index]));
-    let bodies = || model.bodies.iter().enumerate();
-    let courses = courses(model, particles);
-    let left: Vec<String> = bodies().filter_map(|(b, _)| leaves_its_wall(model, &courses, b)).collect();
-    // What leaves a wall has been told to meet nothing.
-    let ways = if left.is_empty() { ways(model, particles) } else { Vec::new() };
+    let bodies = model.bodies.iter().enumerate();
     materials
         .chain(too_long(model))
-        .chain(at_rest(model, particles))
-        .chain(left)
-        .chain(ways)
-        .chain(falls_away(model, &courses))
         .chain(too_rough(model))
-        .chain(bodies().filter_map(|(b, body)| of_list(model, particles, b, body)))
+        .chain(bodies.filter_map(|(b, body)| of_list(model, particles, b, body)))
         .chain(empty_sections(model, particles))
         .collect()
+}
+
+/// What cannot be meant of how bodies move, unless a program moves them by loads or velocities.
+pub(crate) fn slips_unless_driven(model: &Model, particles: &Particles) -> Vec<String> {
+    let courses = courses(model, particles);
+    let bodies = 0..model.bodies.len();
+    let left: Vec<String> = bodies.filter_map(|b| leaves_its_wall(model, &courses, b)).collect();
+    // What leaves a wall has been told to meet nothing.
+    let ways = if left.is_empty() { ways(model, particles) } else { Vec::new() };
+    at_rest(model, particles).into_iter().chain(left).chain(ways).chain(falls_away(model, &courses)).collect()
 }
 
 /// A flow stress that no metal has.
@@ -237,10 +238,11 @@ fn of_list(model: &Model, particles: &Particles, b: usize, body: &Body) -> Optio
         CloudShare::Volume(volume) => Some(volume),
         CloudShare::Mass(mass) => Some(mass / density),
     });
-    if let Some(volume) = volume.filter(|volume| !(VOLUMES[0]..=VOLUMES[1]).contains(&(volume / cell))) {
+    let edge = |volume: f64| (volume / cell).powf(1.0 / dimensions as f64);
+    if let Some(volume) = volume.filter(|volume| !(DISTANCES[0]..=DISTANCES[1]).contains(&edge(*volume))) {
         return Some(format!(
-            "the particles listed for body `{name}` stand for {volume:.3e} {unit} each, where the spacing makes {cell:.3e} {unit}: give the unit, as in \
-             `{}`",
+            "the particles listed for body `{name}` stand for {volume:.3e} {unit} each, where the spacing makes {cell:.3e} {unit}: give the body a \
+             `spacing` that fits, or the unit, as in `{}`",
             match has_masses(listed) {
                 true => "mass-unit = \"g\"".to_owned(),
                 false => format!("volume-unit = \"{}\"", ["mm", "mm^2", "mm^3"][dimensions - 1]),
@@ -325,7 +327,7 @@ mod tests {
             assert!(deck.contains(old), "{old}");
             deck = deck.replace(old, new);
         }
-        load_text("bar", &deck, &[]).unwrap().notes
+        load_text("bar", &deck, &[]).unwrap().all_notes()
     }
 
     #[track_caller]
@@ -341,8 +343,9 @@ mod tests {
         assert_eq!(notes(&[]), [""; 0]);
         for deck in decks::DECKS {
             let setup = load_text(deck.name, deck.text, &[]).unwrap();
-            let found = super::slips(&setup.model, &setup.particles);
-            assert_eq!(found, [""; 0], "{}", deck.name);
+            for slips in [super::slips, super::slips_unless_driven] {
+                assert_eq!(slips(&setup.model, &setup.particles), [""; 0], "{}", deck.name);
+            }
         }
     }
 
@@ -441,7 +444,7 @@ mod tests {
             );
             let path = folder.path().join("deck.toml");
             std::fs::write(&path, deck).unwrap();
-            crate::load(&path, &[], 1e6).unwrap().notes
+            crate::load(&path, &[], 1e6).unwrap().all_notes()
         };
         let at = |k: u32, pitch: u32| format!("{},{}", pitch * (k % 6), pitch * (k / 6));
         assert_eq!(notes("fits.csv", &|k| at(k, 1), "x,y"), [""; 0]);
@@ -455,5 +458,10 @@ mod tests {
             volume.len() == 1 && volume[0].contains("1.000e0 m^2 each") && volume[0].contains("1.000e-6 m^2"),
             "{volume:?}"
         );
+        // Those of another spacing: three times as long, and within what a list may differ by.
+        let of = |volume: &str| notes("of.csv", &|k| format!("{},{volume}", at(k, 1)), "x,y,volume");
+        for (volume, is_told) in [("9e-6", true), ("2e-6", false), ("5e-7", false), ("1e-7", true)] {
+            assert_eq!(of(volume).len(), usize::from(is_told), "{volume}: {:?}", of(volume));
+        }
     }
 }

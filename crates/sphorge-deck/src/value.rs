@@ -30,6 +30,7 @@ kind_types! {
     Number => NUMBER, Length => LENGTH, Time => TIME, Velocity => VELOCITY, Acceleration => ACCELERATION, Angle => ANGLE,
 AngularVelocity => ANGULAR_VELOCITY, Rate => RATE, Density => DENSITY, Stress => PRESSURE, Temperature => TEMPERATURE,
     SpecificHeat => SPECIFIC_HEAT, Conductivity => CONDUCTIVITY, HeatFlux => HEAT_FLUX, HeatTransfer => HEAT_TRANSFER,
+    FractureEnergy => FRACTURE_ENERGY,
 }
 
 /// A scalar of which the type says what is expected.

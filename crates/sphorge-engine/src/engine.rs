@@ -8,7 +8,7 @@ use crate::halo::FieldSet;
 use crate::persist::{Archive, ArchiveError};
 use crate::ranks::Communicator;
 use crate::reduction::{FieldSource, QueuedSums, Reduction};
-use crate::{Audit, Column, Ledger, LimitReason, Model, Particles, RunFailure};
+use crate::{Audit, Column, Drive, Ledger, LimitReason, Model, Particles, RunFailure};
 use std::sync::Arc;
 
 /// Longest stable next step, and what limits it.
@@ -59,6 +59,11 @@ pub trait EngineKind: Send + Sync + std::fmt::Debug {
     /// Takes note of the deck, with its name, that what is started next is of; for engines whose other processes read it themselves.
     fn take_deck(&self, name: &str, deck: &str) {
         let _ = (name, deck);
+    }
+
+    /// Whether [`Self::start`] adds the columns of the state that particles do not have yet, once it has put them in order: less is moved then.
+    fn completes_particles(&self) -> bool {
+        false
     }
 
     /// Takes over particles in their initial configuration. Threads are those of the rayon pool it is called in.
@@ -261,6 +266,22 @@ pub trait Engine: Send {
     /// The processes that share the particles, where each can write its own.
     fn in_pieces(&self) -> Option<&dyn InPieces> {
         None
+    }
+    /// Whether a program can give it loads and velocities of bodies between steps.
+    fn can_be_driven(&self) -> bool {
+        false
+    }
+    /// If a program has given loads or velocities that act: which bodies have a load, and which motions a velocity of it.
+    fn driven(&self) -> Option<(Vec<bool>, Vec<bool>)> {
+        None
+    }
+    /// Loads and velocities from the next step on; their work and impulse are booked like those of gravity and prescribed motions. They are part of the saved state.
+    ///
+    /// # Errors
+    /// It cannot be driven, or the numbers do not fit the model.
+    fn drive(&mut self, drive: &Drive) -> Result<(), RunFailure> {
+        let _ = drive;
+        Err(RunFailure::of_engine("this engine takes no loads from a program".to_owned()))
     }
     /// Saves everything that the steps to come depend on, or loads it into an engine that was started with the same model.
     ///

@@ -7,6 +7,7 @@ mod approach;
 mod box_tree;
 mod contact_laws;
 mod cpu;
+mod drive;
 mod engine;
 mod facet_laws;
 mod failure;
@@ -29,6 +30,7 @@ pub use cpu::{
     AuditedRow, ConductionTable, ContactCandidates, Cpu, SearchedMaterial, audit_of, check_values,
     complete_initial_state, heat_of_released, largest_change,
 };
+pub use drive::Drive;
 pub use engine::{Engine, EngineKind, InPieces, Part, PartKind, SearchReport, TimeStepLimit, Unsupported};
 pub use facet_laws::FacetLaws;
 pub use failure::RunFailure;

@@ -6,6 +6,7 @@
 //! State is loaded into what was started with the same model and particles, so sizes are known beforehand: an archive of other sizes is
 //! refused, and so are places of particles that there are not. What follows from the rest in the next step is not saved.
 
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// How a value is shared among the ranks of a run, where there are others.
@@ -91,7 +92,7 @@ macro_rules! persist_fields {
 }
 
 /// A value of fixed size, written as little-endian bytes.
-pub trait Fixed: Sized {
+pub trait Fixed: Sized + Send + Sync {
     /// Number of bytes.
     const SIZE: usize;
     /// Appends the bytes.
@@ -218,23 +219,34 @@ impl<V: Fixed> Persist for V {
     }
 }
 
+/// Values that one thread converts at a time.
+const AT_ONCE: usize = 4096;
+
+/// The bytes of all values, one behind the other.
+fn bytes_of<V: Fixed>(values: &[V]) -> Vec<u8> {
+    let mut bytes = vec![0; values.len() * V::SIZE];
+    if V::SIZE > 0 {
+        bytes.par_chunks_mut(AT_ONCE * V::SIZE).zip(values.par_chunks(AT_ONCE)).for_each(|(bytes, values)| {
+            let mut written = Vec::with_capacity(bytes.len());
+            values.iter().for_each(|value| value.write(&mut written));
+            bytes.copy_from_slice(&written);
+        });
+    }
+    bytes
+}
+
 impl<V: Fixed> Persist for Vec<V> {
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         if archive.is_saving() {
-            let mut bytes = Vec::with_capacity(self.len() * V::SIZE);
-            self.iter().for_each(|v| v.write(&mut bytes));
-            archive.save(name, bytes);
+            archive.save(name, bytes_of(self));
         } else {
             let bytes = archive.load(name)?;
             let mismatch = || ArchiveError::Mismatch(name.to_owned());
             if V::SIZE == 0 || bytes.len() % V::SIZE != 0 {
                 return Err(mismatch());
             }
-            self.clear();
-            self.reserve_exact(bytes.len() / V::SIZE);
-            for bytes in bytes.chunks_exact(V::SIZE) {
-                self.push(V::read(bytes).ok_or_else(mismatch)?);
-            }
+            let values = bytes.par_chunks_exact(V::SIZE).with_min_len(AT_ONCE).map(V::read);
+            *self = values.collect::<Option<Self>>().ok_or_else(mismatch)?;
         }
         Ok(())
     }

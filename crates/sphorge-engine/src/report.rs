@@ -234,11 +234,14 @@ pub struct Ledger {
     pub bodies: Vec<BodyLedger>,
     /// Sums over everything.
     pub total: BodyLedger,
-    /// Work done on the particles by walls, gravity and prescribed motion since the start, J; of walls with the heat of friction
-    /// and damping, which goes to the particles.
+    /// Work done on the particles by walls, gravity, prescribed motion and loads of a program since the start, J; of walls with the heat of
+    /// friction and damping, which goes to the particles.
     pub external_work: f64,
-    /// Impulse of walls, gravity and prescribed motion since the start, N s.
+    /// Impulse of walls, gravity, prescribed motion and loads of a program since the start, N s.
     pub external_impulse: [f64; 3],
+    /// Part of the external work by loads of a program, J: summed from the loads alone, while the external work is what the momenta of particles
+    /// change beyond their pair forces.
+    pub load_work: f64,
     /// What each wall has done, in deck order. The sum of their works differs from their share of `external_work` by what is of first
     /// order in the step.
     pub walls: Vec<WallLedger>,
@@ -259,6 +262,9 @@ pub struct Ledger {
     pub viscous_energy: f64,
     /// Work against the artificial stress since the start, J, part of the internal energy: negative where it has driven particles apart.
     pub artificial_stress_energy: f64,
+    /// What breaking has dissipated since the start, J, part of the internal energy: plastic work of material whose damage is one, and elastic
+    /// energy that was lost with its integrity.
+    pub fracture_energy: f64,
     /// Heat.
     pub heat: HeatLedger,
     /// Contact of every pair of bodies, `(0, 1), (0, 2), .. (1, 2), ..`; empty where bodies meet in the kernel sum.

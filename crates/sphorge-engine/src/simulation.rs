@@ -7,7 +7,7 @@ use crate::particles::{Column, FIELDS, History, Particles};
 use crate::persist::{Archive, ArchiveError, Persist, persist_count, require};
 use crate::reduction::{FieldSource, ParticleSource, QueuedSums, Reduction};
 use crate::step::advance;
-use crate::{ENGINES, Ledger, LimitReason, RunFailure, StageSeconds, StepReport};
+use crate::{Drive, ENGINES, Ledger, LimitReason, RunFailure, StageSeconds, StepReport};
 use std::sync::Arc;
 
 /// A run in progress. Threads are those of the rayon pool it is called in.
@@ -93,8 +93,7 @@ impl Simulation {
     pub fn start(kind: &dyn EngineKind, model: Model, mut particles: Particles) -> Result<Self, RunFailure> {
         let model = Arc::new(model);
         let approach = approach::limit(&model, &particles);
-        if kind.ranks() == 1 {
-            // Of several each completes its share.
+        if kind.ranks() == 1 && !kind.completes_particles() {
             particles.complete();
         }
         let engine = kind.start(model.clone(), particles)?;
@@ -246,6 +245,34 @@ impl Simulation {
     /// Steps done.
     pub fn steps(&self) -> u64 {
         self.clock.steps
+    }
+
+    /// Whether a program can give loads and velocities of bodies between steps: [`Self::drive`].
+    pub fn can_be_driven(&self) -> bool {
+        self.engine.can_be_driven()
+    }
+
+    /// Whether loads or velocities act that a program has given, now or before the state was saved.
+    pub fn is_driven(&self) -> bool {
+        self.driven().is_some()
+    }
+
+    /// Which bodies have a load of a program, and which motions a velocity of it; none if nothing is driven.
+    pub fn driven(&self) -> Option<(Vec<bool>, Vec<bool>)> {
+        self.engine.driven()
+    }
+
+    /// Gives loads and velocities that hold from the next step on, until others are given. Within a step they are constant; velocities change at its
+    /// start. Their work and impulse enter the ledger.
+    ///
+    /// # Errors
+    /// The engine cannot be driven, or the numbers do not fit the model.
+    pub fn drive(&mut self, drive: &Drive) -> Result<(), RunFailure> {
+        self.next_limit()?;
+        self.engine.drive(drive).map_err(|f| self.date(f))?;
+        // A load changes the acceleration, which limits the step.
+        self.clock.limit = Some(self.engine.time_step_limit().map_err(|f| self.date(f))?);
+        Ok(())
     }
 
     /// Conservation sums.

@@ -6,26 +6,78 @@ use std::collections::HashMap;
 /// Elements of a buffer, whole numbers as their bits.
 pub(crate) type Contents = Vec<f32>;
 
-/// What threads have chosen so far: of each branch and choice, whether it fell this way and that.
+/// What threads have chosen so far: of each branch and choice, whether it fell this way and that; and how operations round.
 #[derive(Default)]
 pub(crate) struct Evaluation {
     choices: HashMap<(Value, Value), [bool; 2]>,
+    rounding: Option<Rounding>,
+}
+
+/// Operations that round at random.
+struct Rounding {
+    state: u64,
+    units: Units,
+}
+
+/// Units of the last place by which operations round otherwise.
+#[derive(Clone, Copy)]
+pub(crate) struct Units {
+    pub(crate) of_sums_and_products: i32,
+    pub(crate) of_quotients_and_functions: i32,
+}
+
+impl Units {
+    fn of(self, operation: Operation) -> i32 {
+        match operation {
+            Operation::MultiplyAdd(..) | Operation::Binary(Binary::Add | Binary::Subtract | Binary::Multiply, ..) => {
+                self.of_sums_and_products
+            }
+            Operation::Binary(Binary::Divide | Binary::Power, ..) => self.of_quotients_and_functions,
+            Operation::Unary(Unary::Negate | Unary::Rounded | Unary::Absolute, _) => 0,
+            Operation::Unary(..) => self.of_quotients_and_functions,
+            _ => 0,
+        }
+    }
+}
+
+impl Rounding {
+    fn of(&mut self, number: f32, units: i32) -> f32 {
+        if units == 0 || number == 0.0 || !number.is_finite() {
+            return number;
+        }
+        // A generator of Lehmer.
+        self.state = self.state * 48_271 % 2_147_483_647;
+        let off = (self.state % (2 * units as u64 + 1)) as i32 - units;
+        let moved = f32::from_bits(number.to_bits().wrapping_add_signed(off));
+        if moved.is_finite() && moved.is_sign_negative() == number.is_sign_negative() { moved } else { number }
+    }
 }
 
 impl Evaluation {
+    /// Operations round at random, by up to so many units; another number gives others.
+    pub(crate) fn rounding_at_random(units: Units, number: u32) -> Self {
+        let state = (u64::from(number) + 1) * 48_271 % 2_147_483_647;
+        Self { rounding: Some(Rounding { state, units }), ..Self::default() }
+    }
+
     /// Runs `threads` threads over the buffers of a kernel.
     pub(crate) fn run(&mut self, kernel: &Kernel, buffers: &mut [Contents], threads: u32) {
+        self.run_some(kernel, buffers, 0..threads);
+    }
+
+    /// The same of some threads.
+    pub(crate) fn run_some(&mut self, kernel: &Kernel, buffers: &mut [Contents], threads: std::ops::Range<u32>) {
         assert_eq!(buffers.len(), kernel.buffers.len());
-        let choices = &mut self.choices;
         let mut state = State {
             kernel,
             buffers,
             thread: 0,
             values: vec![0; kernel.operations.len()],
             variables: Vec::new(),
-            choices,
+            choices: &mut self.choices,
+            rounding: &mut self.rounding,
         };
-        for thread in 0..threads {
+        for thread in threads {
             state.thread = thread;
             state.run(&kernel.statements);
         }
@@ -45,6 +97,7 @@ struct State<'a> {
     values: Vec<u32>,
     variables: Vec<u32>,
     choices: &'a mut HashMap<(Value, Value), [bool; 2]>,
+    rounding: &'a mut Option<Rounding>,
 }
 
 impl State<'_> {
@@ -107,8 +160,9 @@ impl State<'_> {
             let chosen = if self.less(a, b) { then } else { otherwise };
             return self.values[chosen as usize];
         }
-        let of = |value: Value| self.number(value);
-        let whole = |value: Value| self.values[value as usize];
+        let values = &self.values;
+        let of = |value: Value| f32::from_bits(values[value as usize]);
+        let whole = |value: Value| values[value as usize];
         let number = match self.kernel.operations[value as usize] {
             Operation::Constant(bits) => return bits,
             Operation::Whole(value) => return value,
@@ -143,10 +197,15 @@ impl State<'_> {
                 Binary::Power => of(a).powf(of(b)),
             },
             // As the laws do on a processor.
-            Operation::MultiplyAdd(a, b, c) => of(a) * of(b) + of(c),
+            Operation::MultiplyAdd(a, b, c) => {
+                let product = of(a) * of(b);
+                let of_product = |rounding: &mut Rounding| rounding.of(product, rounding.units.of_sums_and_products);
+                self.rounding.as_mut().map_or(product, of_product) + of(c)
+            }
             Operation::SelectLess(..) => unreachable!("chosen above"),
         };
-        number.to_bits()
+        let operation = self.kernel.operations[value as usize];
+        self.rounding.as_mut().map_or(number, |rounding| rounding.of(number, rounding.units.of(operation))).to_bits()
     }
 }
 

@@ -85,7 +85,7 @@ impl Oracle {
             friction,
             tangential_stiffness: law.tangential_stiffness / missing,
         };
-        (law_there, law.critical_sliding_damping(&of) / missing)
+        (law_there, law.sliding_damping(&of) / missing)
     }
 
     /// All facets of a particle that a wall presses where it stands at a time, s.

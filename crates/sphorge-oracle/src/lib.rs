@@ -12,6 +12,7 @@ use sphorge_engine::reduction::{self, Reduction};
 use sphorge_engine::{Audit, Column, Engine, EngineKind, Ledger, RunFailure, SearchReport, TimeStepLimit, Unsupported};
 use sphorge_engine::{LimitReason, Particles};
 use sphorge_physics::contact::Overlap;
+use sphorge_physics::damage::KEPT;
 use sphorge_physics::integrity::INTEGRITY;
 use sphorge_physics::{Dimension, Tensor, Vector};
 use std::borrow::Cow;
@@ -73,6 +74,8 @@ pub(crate) struct Oracle {
     /// What particles bear of tension and shear, and of viscous pressure at the last stress.
     pub(crate) integrity: Vec<f64>,
     pub(crate) share: Vec<f64>,
+    /// Damage, time of failure (s) and fracture energy (J/kg).
+    pub(crate) damage: Vec<[f64; 3]>,
     /// Scaled stress and artificial stress, and Balsara's switch.
     pub(crate) stress: Vec<Tensor<f64>>,
     pub(crate) repulsion: Vec<Tensor<f64>>,
@@ -163,6 +166,7 @@ impl EngineKind for OracleKind {
             history,
             integrity,
             share: vec![1.0; n],
+            damage: vec![[0.0; 3]; n],
             stress: uncorrected(n),
             repulsion: uncorrected(n),
             switch: vec![1.0; n],
@@ -460,6 +464,9 @@ impl Engine for Oracle {
         }
         if field == INTEGRITY.name {
             return Ok(Column::Scalar(Cow::Borrowed(&self.integrity)));
+        }
+        if let Some(k) = KEPT.iter().position(|variable| variable.name == field) {
+            return Ok(Column::Scalar(Cow::Owned(self.damage.iter().map(|of| of[k]).collect())));
         }
         self.p.column(field).ok_or_else(|| RunFailure::of_engine(format!("no field `{field}`")))
     }

@@ -3,11 +3,12 @@
 use super::Oracle;
 use super::pairs::{apply, minus, plus};
 use sphorge_engine::model::{Formulation, GradientCorrection, Integrator, Material, TemperatureSource};
+use sphorge_physics::damage::Before as DamageBefore;
 use sphorge_physics::eos::PressureState;
 use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, gradient_correction};
 use sphorge_physics::hourglass::{Spring, is_fit};
 use sphorge_physics::hyperelastic::{minus_identity, neo_hookean_deviator};
-use sphorge_physics::integrity::smeared_width;
+use sphorge_physics::integrity::{Borne, smeared_width};
 use sphorge_physics::moving_least_squares::Moments;
 use sphorge_physics::pair::{
     EnergySplit, PairForm, gradient_factor, gradient_weight, inverse_density_mean, mean, momentum_weight,
@@ -57,7 +58,7 @@ impl Oracle {
             let (rho, cp, t0) = (self.p.density[i], m.specific_heat, m.reference_temperature);
             let elastic = m.elastic_energy(self.p.deviator[i], m.shear_modulus, rho);
             let stored = (1.0 - m.taylor_quinney) * self.p.plastic_work[i];
-            let cold = m.cold_energies().at(rho, self.integrity[i]);
+            let cold = m.cold_energy(&m.cold_energies(), rho, self.integrity[i]);
             let of_energy = heat::temperature_from_energy(t0, self.p.energy[i], cold, elastic, stored, cp);
             let is_liquid = match m.flow_law.melting_temperature() {
                 Some(melting) => self.p.temperature[i].max(if m.heats() { of_energy } else { t0 }) >= melting,
@@ -143,6 +144,11 @@ impl Oracle {
                         stress: p.deviator[i] - SymmetricTensor::isotropic(p.pressure[i]),
                     };
                     gradient = completed_rate(&self.deformation[i], &gradient, &self.correction[i], &across, self.dt);
+                }
+                if self.material(i).deletes() && self.integrity[i] == 0.0 {
+                    // It keeps its deformation.
+                    gradient = tensor::zero();
+                    self.yielded_stretch[i] = 0.0;
                 }
                 let l = deform(&mut self.deformation[i], &gradient, self.dt);
                 self.p.velocity_gradient[i] = l;
@@ -230,7 +236,13 @@ impl Oracle {
         let shear = self.shear_modulus(i, rho, whole.pressure.max(-m.spall_pressure));
         let before = self.integrity[i];
         let size = smeared_width(model.numerics.kernel.support(), self.p.smoothing_length[i]);
-        let borne = m.borne(rho, whole.pressure, before, size);
+        let mut borne = m.borne(rho, whole.pressure, before, size);
+        if m.damage.is_some() {
+            // Whole until the end of the step.
+            let spalls = whole.pressure < -m.spall_pressure;
+            let integrity = if spalls { borne.integrity } else { before };
+            borne = Borne { pressure: whole.pressure.max(-m.spall_pressure), integrity, share: 1.0 };
+        }
         let state = PressureState { pressure: borne.pressure, ..whole };
         self.share[i] = borne.share;
         let p = &mut self.p;
@@ -245,13 +257,20 @@ impl Oracle {
         };
         let state = m.flow_state(p.plastic_strain[i], p.temperature[i], rho, state.pressure);
         let history = &mut self.history[i];
+        let sound_speed = whole.sound_speed;
+        let bear = |p: &mut f64, share: &mut f64, integrity: f64| {
+            if let Some(damage) = m.damage {
+                [*p, *share] = damage.after.bears(*p, integrity);
+            }
+        };
         if before == 0.0 {
+            bear(&mut p.pressure[i], &mut self.share[i], 0.0);
             if commit {
                 p.deviator[i] = SymmetricTensor::zero();
                 (p.plastic_strain_increment[i], p.yield_stress[i]) = (0.0, 0.0);
                 if source == TemperatureSource::Energy {
                     let stored = (1.0 - m.taylor_quinney) * p.plastic_work[i];
-                    let (cold, heat) = (m.cold_energies().at(rho, 0.0), energy - artificial);
+                    let (cold, heat) = (m.cold_energy(&m.cold_energies(), rho, 0.0), energy - artificial);
                     let (t0, cp) = (m.reference_temperature, m.specific_heat);
                     p.temperature[i] = heat::temperature_from_energy(t0, heat, cold, 0.0, stored, cp);
                 }
@@ -259,11 +278,26 @@ impl Oracle {
             return SymmetricTensor::zero();
         }
         let after = return_mapping(m.return_rule, &m.flow_law, shear, trial, state, history, dt);
-        let deviator = after.deviator * borne.integrity;
         if !commit {
-            return deviator;
+            bear(&mut p.pressure[i], &mut self.share[i], borne.integrity);
+            return after.deviator * borne.integrity;
         }
-        m.flow_law.evolve(&after.step(state, dt), history);
+        let step = after.step(state, dt);
+        m.flow_law.evolve(&step, history);
+        if let Some(damage) = m.damage {
+            let [kept, failed_at, fracture_energy] = &mut self.damage[i];
+            let broken =
+                damage.after_step(&step, m.moduli(shear), size, DamageBefore { damage: *kept, integrity: before });
+            *kept = broken.damage;
+            borne.integrity = borne.integrity.min(broken.integrity);
+            let elastic = m.elastic_energy_of_breaking(after.deviator, shear, rho, state.pressure, sound_speed);
+            *fracture_energy += broken.share * before * after.plastic_work / rho + (before - borne.integrity) * elastic;
+            if borne.integrity == 0.0 {
+                *failed_at = self.time + self.dt;
+            }
+            bear(&mut p.pressure[i], &mut self.share[i], borne.integrity);
+        }
+        let deviator = after.deviator * borne.integrity;
         p.deviator[i] = deviator;
         self.integrity[i] = borne.integrity;
         let plastic_work = before * after.plastic_work;
@@ -277,7 +311,7 @@ impl Oracle {
                 p.temperature[i] += heat::temperature_rise_from_plastic_work(beta, plastic_work, rho, cp);
             }
             TemperatureSource::Energy => {
-                let cold = m.cold_energies().at(rho, borne.integrity);
+                let cold = m.cold_energy(&m.cold_energies(), rho, borne.integrity);
                 let elastic = borne.integrity * m.elastic_energy(after.deviator, shear, rho);
                 let stored = (1.0 - beta) * p.plastic_work[i];
                 p.temperature[i] = heat::temperature_from_energy(t0, energy - artificial, cold, elastic, stored, cp);

@@ -549,6 +549,7 @@ impl Oracle {
         };
         let mut ledger = self.ledger.clone();
         ledger.hourglass_stored_energy = self.energy_of_springs();
+        ledger.fracture_energy = p.mass.iter().zip(&self.damage).map(|(mass, of)| mass * of[2]).sum();
         ledger.bodies = (0..model.bodies.len()).map(|b| self.sums(|i| p.body[i] as usize == b)).collect();
         ledger.total = self.sums(|_| true);
         ledger.contacts.resize(self.accounts.contacts.len(), ContactLedger::default());

@@ -18,6 +18,7 @@ pub mod artificial_stress;
 pub mod audit;
 pub mod conduction;
 pub mod contact;
+pub mod damage;
 pub mod dimension;
 pub mod eos;
 pub mod facet;

@@ -98,6 +98,12 @@ pub(crate) fn smallest_principal_value<T: Real>(sigma: SymmetricTensor<T>) -> T 
     T::select_lt(p.j2_here, T::of(NO_SHEAR), p.mean, smallest)
 }
 
+/// The largest principal value in space, as exact.
+#[inline(always)]
+pub(crate) fn largest_principal_value<T: Real>(sigma: SymmetricTensor<T>) -> T {
+    -smallest_principal_value(sigma * T::of(-1.0))
+}
+
 #[inline(always)]
 fn in_space<T: Real>(sigma: SymmetricTensor<T>) -> SymmetricTensor<T> {
     let zero = T::zero();

@@ -1,6 +1,6 @@
 //! Decks, and what is shipped.
 
-use crate::{errors, guard};
+use crate::{errors, guard, words::of_python};
 use pyo3::{
     exceptions::{PyKeyError, PyValueError},
     prelude::*,
@@ -10,6 +10,7 @@ use sphorge::{
     deck::{self, DeckReport, Setup, did_you_mean},
     decks as shipped,
     material::{self, ConstantLine, LawListing},
+    output::measure_unit,
 };
 use sphorge_cli::particle_limit;
 use std::path::PathBuf;
@@ -41,8 +42,9 @@ impl Deck {
         }
     }
 
-    pub(crate) fn sets(&self, key: &str) -> bool {
-        self.overrides.iter().any(|(set, _)| set == key)
+    /// A key that is set already and would be undone by setting this one.
+    pub(crate) fn sets(&self, key: &str) -> Option<&str> {
+        deck::undone_by(&self.text, &self.overrides, key)
     }
 }
 
@@ -86,6 +88,41 @@ impl Deck {
     #[getter]
     fn text(&self, py: Python<'_>) -> PyResult<String> {
         deck::with_overrides(&self.text, &self.overrides).map_err(|report| errors::deck(py, &report))
+    }
+
+    /// A deck of what `name` and `source` tell of another one.
+    #[staticmethod]
+    fn of_parts(name: String, path: Option<PathBuf>, text: String, overrides: Vec<(String, String)>) -> Self {
+        Self { name, path, text, overrides }
+    }
+
+    /// Where the text is from, if from a file, the text without changes, and the changes.
+    fn source(&self) -> (Option<PathBuf>, &str, Vec<(String, String)>) {
+        (self.path.clone(), &self.text, self.overrides.clone())
+    }
+
+    /// Refuses keys of which one would undo what another one sets, or the deck does.
+    pub(crate) fn refuse_overlapping(&self, py: Python<'_>, keys: Vec<String>) -> PyResult<()> {
+        let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
+        if let Some((key, set)) = keys.iter().find_map(|key| self.sets(key).map(|set| (*key, set))) {
+            let what = if set == key {
+                format!("`{set}` is set and varied")
+            } else {
+                format!("`{set}` is set, and `{key}`, which is varied, sets the same")
+            };
+            return Err(errors::bad_input(py, &what, "leave it out of one of the two"));
+        }
+        match deck::overlapping_keys(&self.text(py)?, &keys) {
+            None => Ok(()),
+            Some((a, b)) => {
+                let what = format!("`{}` and `{}` set the same", keys[a], keys[b]);
+                Err(errors::bad_input(
+                    py,
+                    &what,
+                    "a vector and its components, or two names of one key, cannot be varied together: choose one",
+                ))
+            }
+        }
     }
 
     fn copy(&self) -> Self {
@@ -143,7 +180,12 @@ impl Deck {
         told.set_item("particles", setup.particles.len())?;
         told.set_item("bodies", bodies)?;
         told.set_item("measures", setup.model.measures.iter().map(|of| of.name.clone()).collect::<Vec<_>>())?;
-        told.set_item("notes", setup.notes)?;
+        let units = PyDict::new(py);
+        for of in &setup.model.measures {
+            units.set_item(&of.name, measure_unit(&of.kind))?;
+        }
+        told.set_item("measure_units", units)?;
+        told.set_item("notes", setup.all_notes().iter().map(|note| of_python(note)).collect::<Vec<_>>())?;
         Ok(told)
     }
 }
@@ -186,6 +228,18 @@ pub(crate) fn quantity(text: &str, unit: &str) -> PyResult<f64> {
     deck::read_quantity(text, unit).map_err(PyValueError::new_err)
 }
 
+/// Reads the difference of two quantities in an SI unit: `5 degC` is 5 K.
+#[pyfunction]
+pub(crate) fn difference(text: &str, unit: &str) -> PyResult<f64> {
+    deck::read_difference(text, unit).map_err(PyValueError::new_err)
+}
+
+/// Reads a value of a key as a number: its SI value and unit; nothing if it is none, or one that the key does not take.
+#[pyfunction]
+pub(crate) fn quantity_of_key(key: &str, value: &str) -> Option<(f64, &'static str)> {
+    deck::quantity_of_key(key, value)
+}
+
 fn constants<'py>(py: Python<'py>, lines: &[ConstantLine]) -> PyResult<Bound<'py, PyDict>> {
     let told = PyDict::new(py);
     for line in lines.iter().filter(|line| line.value.is_some()) {
@@ -221,6 +275,7 @@ pub(crate) fn materials(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         of.set_item("constants", constants(py, &material.constants)?)?;
         of.set_item("equation_of_state", material.equation_of_state.as_ref().map(|of| law(py, of)).transpose()?)?;
         of.set_item("strength", material.strength.as_ref().map(|of| law(py, of)).transpose()?)?;
+        of.set_item("damage", material.damage.as_ref().map(|of| law(py, of)).transpose()?)?;
         of.set_item("missing", &material.missing)?;
         told.set_item(&material.name, of)?;
     }

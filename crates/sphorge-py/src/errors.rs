@@ -1,5 +1,6 @@
 //! Exceptions: classes of the Python file `_errors.py`, with the text that a terminal would show.
 
+use crate::words::of_python;
 use miette::Diagnostic;
 use pyo3::{exceptions::PyRuntimeError, prelude::*, types::PyDict};
 use sphorge::{
@@ -8,7 +9,14 @@ use sphorge::{
     run::{ResumeError, RunError},
     sweep::SweepError,
 };
-use sphorge_cli::text_of;
+use sphorge_cli::text_of_in;
+
+/// What a terminal would show, in the words of Python.
+fn text_of(diagnostic: &dyn Diagnostic) -> String {
+    let text = text_of_in(diagnostic, of_python);
+    // Names of what texts are from.
+    text.replace(", with --set", ", with what was set").replace("[--set", "[what was set")
+}
 
 /// An exception of a class of `_errors.py`, with a text and what else is known.
 fn make(py: Python<'_>, class: &str, text: &str, fill: impl FnOnce(&Bound<'_, PyDict>) -> PyResult<()>) -> PyErr {
@@ -23,7 +31,8 @@ fn make(py: Python<'_>, class: &str, text: &str, fill: impl FnOnce(&Bound<'_, Py
 }
 
 fn hint_of(diagnostic: &dyn Diagnostic) -> Option<String> {
-    diagnostic.help().map(|help| help.to_string()).or_else(|| diagnostic.diagnostic_source().and_then(hint_of))
+    let own = diagnostic.help().map(|help| of_python(&help.to_string()));
+    own.or_else(|| diagnostic.diagnostic_source().and_then(hint_of))
 }
 
 /// One of our errors with its text and what to do.
@@ -53,7 +62,9 @@ fn of_deck(py: Python<'_>, deck: &DeckReport, whole: &dyn Diagnostic) -> PyErr {
         let problems: Vec<_> = deck
             .problems()
             .iter()
-            .map(|problem| (problem.to_string(), problem.line(), problem.help().map(str::to_owned), problem.code()))
+            .map(|problem| {
+                (of_python(&problem.to_string()), problem.line(), problem.help().map(of_python), problem.code())
+            })
             .collect();
         details.set_item("problems", problems)
     })
@@ -100,9 +111,12 @@ pub(crate) fn resume(py: Python<'_>, error: &ResumeError) -> PyErr {
         ResumeError::Deck(report) => deck(py, report),
         ResumeError::Directory(error) => output(py, error),
         ResumeError::NoCheckpoint { .. }
+        | ResumeError::Unstepped { .. }
         | ResumeError::NotChangeable { .. }
         | ResumeError::Ended { .. }
-        | ResumeError::EndPassed { .. } => plain(py, "SphorgeError", error),
+        | ResumeError::EndPassed { .. }
+        | ResumeError::Driven { .. }
+        | ResumeError::Listed { .. } => plain(py, "SphorgeError", error),
     }
 }
 
@@ -111,10 +125,11 @@ pub(crate) fn sweep(py: Python<'_>, error: &SweepError) -> PyErr {
     match error {
         SweepError::Deck { source, .. } => of_deck(py, source, error),
         SweepError::Output(error) => output(py, error),
-        SweepError::Another { .. } => plain(py, "FolderError", error),
-        SweepError::Varied { .. } | SweepError::Unsupported { .. } | SweepError::Unknown { .. } => {
-            plain(py, "SphorgeError", error)
-        }
+        SweepError::Another { .. } | SweepError::Locked { .. } => plain(py, "FolderError", error),
+        SweepError::Varied { .. }
+        | SweepError::Unsupported { .. }
+        | SweepError::Unknown { .. }
+        | SweepError::Stopped => plain(py, "SphorgeError", error),
     }
 }
 

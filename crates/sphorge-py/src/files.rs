@@ -18,9 +18,20 @@ pub(crate) fn summary(py: Python<'_>, folder: PathBuf) -> PyResult<Option<String
     }
 }
 
-type HistoryColumn<'py> = (String, String, String, Bound<'py, PyByteArray>);
+/// What the command line tells of a run that has ended; none while it has not.
+#[pyfunction]
+pub(crate) fn report(py: Python<'_>, folder: PathBuf) -> PyResult<Option<String>> {
+    let read = guard::detached(py, || RunDirectory::open(&folder).and_then(|run| Summary::read(&run)))?;
+    match read {
+        Ok(summary) => Ok(Some(sphorge_cli::report(&summary))),
+        Err(OutputError::NotEnded { .. }) => Ok(None),
+        Err(error) => Err(errors::output(py, &error)),
+    }
+}
 
-/// The history of a run: name, unit, meaning and values of each column.
+type HistoryColumn<'py> = (String, String, String, Bound<'py, PyByteArray>, Option<Vec<String>>);
+
+/// The history of a run: name, unit, meaning, values and words of each column.
 #[pyfunction]
 pub(crate) fn history(py: Python<'_>, folder: PathBuf) -> PyResult<Vec<HistoryColumn<'_>>> {
     let read = guard::detached(py, || RunDirectory::open(&folder).and_then(|run| HistoryTable::read(&run)))?;
@@ -28,7 +39,10 @@ pub(crate) fn history(py: Python<'_>, folder: PathBuf) -> PyResult<Vec<HistoryCo
     let values = table.values.iter().map(|values| values.iter().flat_map(|x| x.to_ne_bytes()).collect::<Vec<u8>>());
     let columns = table.columns.iter().zip(values);
     Ok(columns
-        .map(|(of, bytes)| (of.name.clone(), of.unit.clone(), of.meaning.clone(), PyByteArray::new(py, &bytes)))
+        .map(|(of, bytes)| {
+            let words = table.words.get(&of.name).cloned();
+            (of.name.clone(), of.unit.clone(), of.meaning.clone(), PyByteArray::new(py, &bytes), words)
+        })
         .collect())
 }
 
@@ -77,6 +91,12 @@ impl Frame {
     #[getter]
     fn bodies(&self) -> Vec<(String, String)> {
         self.file.bodies.iter().map(|body| (body.name.clone(), body.material.clone())).collect()
+    }
+
+    /// Particle spacing of each body, m.
+    #[getter]
+    fn spacings(&self) -> Vec<f64> {
+        self.file.header.body_spacing.clone()
     }
 
     /// Name, unit and names of the components of each field.

@@ -72,6 +72,16 @@ pub(crate) fn interruptible<T: Send + 'static>(
     }
 }
 
+/// The same on threads that end with it.
+pub(crate) fn interruptible_in_pool<T: Send + 'static>(
+    py: Python<'_>,
+    stop: &Arc<AtomicBool>,
+    compute: impl FnOnce() -> T + Send + 'static,
+) -> PyResult<T> {
+    let pool = rayon::ThreadPoolBuilder::new().build().map_err(|error| errors::internal(py, &error.to_string()))?;
+    interruptible(py, stop, move || pool.install(compute))
+}
+
 /// Panics, on a thread of a pool or here, for the tests that nothing of it crosses.
 #[pyfunction]
 pub(crate) fn panic_for_tests(py: Python<'_>, on_a_pool: bool) -> PyResult<()> {

@@ -9,11 +9,12 @@ use crate::{
     errors,
     guard::{self, POLL},
     values::Packed,
+    words::of_python,
 };
 use pyo3::{exceptions::PyKeyError, prelude::*, types::PyBytes};
 use sphorge::{
     deck::{did_you_mean, names_like},
-    engine::{EngineKind, FieldSource, Simulation},
+    engine::{Drive, EngineKind, FieldSource, Simulation},
     output::{RunDirectory, Summary, WarningRecord},
     particles::{FIELDS, find_field},
     run::{CheckpointPlan, Observer, ResumeError, ResumeOptions, RunError, RunOptions, execute, resume},
@@ -30,7 +31,7 @@ use std::{
         mpsc::{Receiver, RecvTimeoutError, Sender, channel},
     },
     thread::{self, JoinHandle},
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 /// What is asked of a run that pauses.
@@ -39,6 +40,10 @@ enum Order {
     Go(Until),
     /// A field.
     Read(&'static str),
+    /// Loads and velocities from the next step on.
+    Drive(Drive),
+    /// What of the program ends the run, which is told to stop next.
+    EndBy(String),
 }
 
 /// Where a run is to pause: wherever one of these is first reached.
@@ -47,6 +52,8 @@ struct Until {
     step: Option<u64>,
     time: Option<f64>,
     frame: bool,
+    /// Seconds of the clock on the wall.
+    seconds: Option<f64>,
 }
 
 /// What a run says.
@@ -54,6 +61,7 @@ enum News {
     Noted(String),
     Warned { name: String, text: String },
     Frame { index: usize, time: f64 },
+    Ready(Box<Whole>),
     Paused(Moment),
     Read(Result<Packed, String>),
     Ended(Result<Box<Summary>, Failure>),
@@ -69,6 +77,35 @@ struct Moment {
     particles: usize,
 }
 
+/// What of a run does not change.
+struct Whole {
+    /// s.
+    end: f64,
+    most_steps: Option<u64>,
+    dimensions: usize,
+    can_be_driven: bool,
+    /// Bodies and motions with loads and velocities of a program in the state that the run goes on from.
+    driven: (Vec<bool>, Vec<bool>),
+    bodies: Vec<String>,
+    /// Name of the region of each prescribed motion.
+    motions: Vec<String>,
+}
+
+impl Whole {
+    fn of(state: &Simulation) -> Self {
+        let model = state.model();
+        Self {
+            end: model.time.end,
+            most_steps: model.time.max_steps,
+            dimensions: model.dimensions.count(),
+            can_be_driven: state.can_be_driven(),
+            driven: state.driven().unwrap_or_default(),
+            bodies: model.bodies.iter().map(|body| body.name.clone()).collect(),
+            motions: model.motions.iter().map(|motion| model.regions[motion.region].name.clone()).collect(),
+        }
+    }
+}
+
 /// How a run did not end well.
 enum Failure {
     Run(RunError),
@@ -81,8 +118,17 @@ struct Watch {
     orders: Receiver<Order>,
     news: Sender<News>,
     until: Until,
+    /// When it went on.
+    since: Instant,
     has_frame: bool,
     last_time: f64,
+    last_step: u64,
+    /// What is given to the next step.
+    drive: Option<Drive>,
+    /// Notes that hold unless the program drives the run, until it goes on.
+    unless_driven: Vec<String>,
+    stopped_by: Option<String>,
+    is_told: bool,
 }
 
 impl Watch {
@@ -94,13 +140,21 @@ impl Watch {
 
 impl Observer for Watch {
     fn between_steps(&mut self, state: &Simulation) -> ControlFlow<()> {
+        if !self.is_told {
+            self.is_told = true;
+            self.tell(News::Ready(Box::new(Whole::of(state))));
+        }
         let (step, time) = (state.steps(), state.time());
         let dt = (time - self.last_time).max(0.0);
         self.last_time = time;
         let until = self.until;
+        // Steps that were taken back come again, each as it was asked for.
+        let went_back = step <= std::mem::replace(&mut self.last_step, step) && step > 0;
         let is_due = until.step.is_some_and(|asked| step >= asked)
             || until.time.is_some_and(|asked| time >= asked * (1.0 - 1e-12))
-            || until.frame && self.has_frame;
+            || until.frame && self.has_frame
+            || until.step.is_some() && went_back
+            || until.seconds.is_some_and(|seconds| self.since.elapsed().as_secs_f64() > seconds);
         if !is_due {
             return ControlFlow::Continue(());
         }
@@ -109,9 +163,16 @@ impl Observer for Watch {
         loop {
             match self.orders.recv() {
                 Ok(Order::Go(until)) => {
+                    let notes = std::mem::take(&mut self.unless_driven);
+                    if self.drive.is_none() {
+                        notes.iter().for_each(|note| self.tell(News::Noted(of_python(note))));
+                    }
                     self.until = until;
+                    self.since = Instant::now();
                     return ControlFlow::Continue(());
                 }
+                Ok(Order::Drive(drive)) => self.drive = Some(drive),
+                Ok(Order::EndBy(what)) => self.stopped_by = Some(what),
                 Ok(Order::Read(field)) => {
                     let read = state.read(field).map(|column| Packed::of(&column));
                     self.tell(News::Read(read.map_err(|failure| failure.to_string())));
@@ -121,17 +182,30 @@ impl Observer for Watch {
         }
     }
 
+    fn drive(&mut self) -> Option<Drive> {
+        self.drive.take()
+    }
+
+    fn drives(&self) -> bool {
+        // The program may: a run that goes on under loads of another one asks for them before its first step.
+        true
+    }
+
+    fn stopped_by(&mut self) -> Option<String> {
+        self.stopped_by.take()
+    }
+
     fn frame_written(&mut self, index: usize, time: f64) {
         self.has_frame = true;
         self.tell(News::Frame { index, time });
     }
 
     fn noted(&mut self, note: &str) {
-        self.tell(News::Noted(note.to_owned()));
+        self.tell(News::Noted(of_python(note)));
     }
 
     fn warned(&mut self, warning: &WarningRecord) {
-        self.tell(News::Warned { name: warning.name.clone(), text: warning.to_string() });
+        self.tell(News::Warned { name: warning.name.clone(), text: of_python(&warning.to_string()) });
     }
 }
 
@@ -151,6 +225,7 @@ struct Link {
     news: Receiver<News>,
     thread: Option<JoinHandle<()>>,
     stop: Arc<AtomicBool>,
+    whole: Option<Box<Whole>>,
     moment: Moment,
     is_paused: bool,
     ended: Option<Result<Box<Summary>, Failure>>,
@@ -168,7 +243,19 @@ impl Link {
         let flag = Arc::clone(&stop);
         let thread = thread::Builder::new().name("sphorge".to_owned()).spawn(move || {
             let until = Until { step: Some(0), ..Until::default() };
-            let mut watch = Watch { orders, news: tell, until, has_frame: false, last_time: 0.0 };
+            let mut watch = Watch {
+                orders,
+                news: tell,
+                until,
+                since: Instant::now(),
+                has_frame: false,
+                last_time: 0.0,
+                last_step: 0,
+                drive: None,
+                unless_driven: Vec::new(),
+                stopped_by: None,
+                is_told: false,
+            };
             let ended = catch_unwind(AssertUnwindSafe(|| run(&flag, &mut watch)));
             let ended = ended.unwrap_or_else(|panic| Err(Failure::Panic(guard::message(&*panic))));
             watch.tell(News::Ended(ended.map(Box::new)));
@@ -179,6 +266,7 @@ impl Link {
             news,
             thread: Some(thread),
             stop,
+            whole: None,
             moment: Moment::default(),
             is_paused: false,
             ended: None,
@@ -207,6 +295,7 @@ impl Link {
                 Ok(News::Noted(note)) => self.untold.notes.push(note),
                 Ok(News::Warned { name, text }) => self.untold.warnings.push((name, text)),
                 Ok(News::Frame { index, time }) => self.untold.frames.push((index, time)),
+                Ok(News::Ready(whole)) => self.whole = Some(whole),
                 Ok(News::Paused(moment)) => {
                     (self.moment, self.is_paused) = (moment, true);
                     if interrupt.is_none() {
@@ -216,8 +305,12 @@ impl Link {
                     self.is_paused = false;
                     self.order(Order::Go(Until::default()));
                 }
-                Ok(News::Read(read)) => return Ok(Some(read)),
+                // Whoever asked while Ctrl-C came gets that: the run is told to stop already.
+                Ok(News::Read(read)) => return interrupt.map_or(Ok(Some(read)), Err),
                 Ok(News::Ended(ended)) => {
+                    if let Ok(summary) = &ended {
+                        (self.moment.step, self.moment.time) = (summary.steps, summary.simulated_time);
+                    }
                     self.ended = Some(ended);
                     return interrupt.map_or(Ok(None), Err);
                 }
@@ -268,6 +361,9 @@ impl Drop for Link {
 
 /// A run under way: where it is, and what happened since the last time.
 type Progress = (bool, u64, f64, f64, Vec<(usize, f64)>, Vec<String>, Vec<(String, String)>);
+
+/// What [`Driver::whole`] tells.
+type Told = (f64, Option<u64>, (bool, Vec<bool>, Vec<bool>), usize, Vec<String>, Vec<String>);
 
 /// Drives a run.
 #[pyclass(module = "sphorge._sphorge", frozen)]
@@ -358,6 +454,7 @@ impl Driver {
         let options = RunOptions { directory: folder, overwrite, by_force: false, threads, checkpoints };
         Self::start(py, move |stop, watch| {
             setup.notes.iter().for_each(|note| watch.noted(note));
+            watch.unless_driven.clone_from(&setup.notes_unless_driven);
             execute(setup, &*kind, &options, stop, watch).map_err(Failure::Run)
         })
     }
@@ -384,13 +481,20 @@ impl Driver {
         Self::start(py, move |stop, watch| resume(&folder, &options, stop, watch).map_err(Failure::Resume))
     }
 
-    /// Goes on until a step, a time (s) or the next frame, whichever is first, or to the end: whether it has ended, where it is, and what has happened.
-    #[pyo3(signature = (*, step=None, time=None, frame=false))]
-    fn go(&self, py: Python<'_>, step: Option<u64>, time: Option<f64>, frame: bool) -> PyResult<Progress> {
+    /// Goes on until a step, a time (s), the next frame, or for some seconds, whichever is first, or to the end: whether it has ended, where it is, and what has happened.
+    #[pyo3(signature = (*, step=None, time=None, frame=false, seconds=None))]
+    fn go(
+        &self,
+        py: Python<'_>,
+        step: Option<u64>,
+        time: Option<f64>,
+        frame: bool,
+        seconds: Option<f64>,
+    ) -> PyResult<Progress> {
         let mut link = self.link()?;
         if link.ended.is_none() {
             link.is_paused = false;
-            link.order(Order::Go(Until { step, time, frame }));
+            link.order(Order::Go(Until { step, time, frame, seconds }));
             link.listen(py)?;
         }
         let Untold { frames, notes, warnings } = std::mem::take(&mut link.untold);
@@ -406,15 +510,41 @@ impl Driver {
         Ok((link.ended.is_some(), step, time, dt, frames, notes, warnings))
     }
 
-    /// Stops the run where it is, which saves its state, unless it has ended.
-    fn stop(&self, py: Python<'_>) -> PyResult<()> {
-        self.link()?.finish(py)
+    /// Stops the run where it is, which saves its state, unless it has ended; `by` is what of the program ends it, if not its user.
+    #[pyo3(signature = (by=None))]
+    fn stop(&self, py: Python<'_>, by: Option<String>) -> PyResult<()> {
+        let mut link = self.link()?;
+        if let Some(by) = by.filter(|_| link.is_paused && link.ended.is_none()) {
+            link.order(Order::EndBy(by));
+        }
+        link.finish(py)
     }
 
     /// Number of particles.
     #[getter]
     fn particles(&self) -> PyResult<usize> {
         Ok(self.link()?.moment.particles)
+    }
+
+    /// End time, s, most steps, whether loads and velocities can be given, for which bodies and motions they were before, dimensions, and names of bodies and of the regions with a prescribed motion.
+    fn whole(&self) -> PyResult<Option<Told>> {
+        let link = self.link()?;
+        let of = |whole: &Whole| {
+            let Whole { end, most_steps, dimensions, can_be_driven, driven: (loads, velocities), bodies, motions } =
+                whole;
+            let driven = (*can_be_driven, loads.clone(), velocities.clone());
+            (*end, *most_steps, driven, *dimensions, bodies.clone(), motions.clone())
+        };
+        Ok(link.whole.as_deref().map(of))
+    }
+
+    /// Gives the force on each body and the velocities of each prescribed motion, from the next step on.
+    fn drive(&self, forces: Vec<Option<[f64; 3]>>, velocities: Vec<Option<[Option<f64>; 3]>>) -> PyResult<()> {
+        let link = self.link()?;
+        if link.is_paused && link.ended.is_none() {
+            link.order(Order::Drive(Drive { forces, velocities }));
+        }
+        Ok(())
     }
 
     /// The summary of a run that has ended, in JSON; none while it has not. Raises what it failed by.

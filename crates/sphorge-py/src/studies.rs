@@ -1,10 +1,13 @@
 //! Studies of several runs.
 
-use crate::{deck::Deck, errors, guard};
-use pyo3::{prelude::*, types::PyDict};
+use crate::{deck::Deck, errors, guard, words::of_python};
+use pyo3::{
+    prelude::*,
+    types::{PyBytes, PyDict},
+};
 use sphorge::{
     engine::EngineKind,
-    sweep::{Convergence, Process, Sweep, SweepTable, Varied, execute, spaced},
+    sweep::{Convergence, Planning, Process, Sweep, SweepError, SweepTable, Varied, execute, spaced},
 };
 use sphorge_cli::engine_of;
 use std::{
@@ -46,8 +49,29 @@ impl Making {
     }
 }
 
+/// Plans runs, which reads and fills many decks; Ctrl-C comes between two of them.
+fn planned<T: Send + 'static>(
+    py: Python<'_>,
+    folder: PathBuf,
+    kind: Arc<dyn EngineKind>,
+    again: bool,
+    plan: impl FnOnce(&Planning<'_>) -> Result<T, SweepError> + Send + 'static,
+) -> PyResult<T> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stop);
+    let made = guard::interruptible_in_pool(py, &stop, move || {
+        plan(&Planning { folder: &folder, engine: &*kind, again, stop: &flag })
+    });
+    made?.map_err(|error| errors::sweep(py, &error))
+}
+
+/// What there is to note of each run.
+fn notes_of(sweep: &Sweep) -> Vec<Vec<String>> {
+    sweep.runs.iter().map(|run| run.notes.iter().map(|note| of_python(note)).collect()).collect()
+}
+
 /// A table as columns, each with its name and unit.
-fn told<'py>(py: Python<'py>, table: &SweepTable) -> PyResult<Bound<'py, PyDict>> {
+fn told<'py>(py: Python<'py>, table: &SweepTable, notes: Vec<Vec<String>>) -> PyResult<Bound<'py, PyDict>> {
     let columns = PyDict::new(py);
     let units = PyDict::new(py);
     columns.set_item("run", table.rows.iter().map(|row| row.run.as_str()).collect::<Vec<_>>())?;
@@ -78,6 +102,9 @@ fn told<'py>(py: Python<'py>, table: &SweepTable) -> PyResult<Bound<'py, PyDict>
     dict.set_item("measures", table.measures.iter().map(|of| of.name.as_str()).collect::<Vec<_>>())?;
     dict.set_item("told", table.rows.iter().map(|row| row.told.clone()).collect::<Vec<_>>())?;
     dict.set_item("text", table.to_string())?;
+    dict.set_item("notes", notes)?;
+    let parquet = table.parquet().map_err(|error| errors::internal(py, &error))?;
+    dict.set_item("parquet", PyBytes::new(py, &parquet))?;
     Ok(dict)
 }
 
@@ -99,20 +126,41 @@ pub(crate) fn sweep<'py>(
     let making = Making::new(py, program, jobs, threads, engine, device)?;
     let varied: Vec<Varied> = varied.into_iter().map(|(key, values)| Varied { key, values }).collect();
     let (deck, kind) = (without(&deck, varied.iter().map(|of| of.key.as_str()), py)?, Arc::clone(&making.kind));
-    let planned =
-        guard::in_pool(py, move || Sweep::plan(|set| deck.load_with(set), varied, &folder, &*kind, overwrite));
-    let sweep = planned?.map_err(|error| errors::sweep(py, &error))?;
-    told(py, &making.make(py, sweep)?)
+    let sweep =
+        planned(py, folder, kind, overwrite, move |planning| Sweep::plan(|set| deck.load_with(set), varied, planning))?;
+    let notes = notes_of(&sweep);
+    told(py, &making.make(py, sweep)?, notes)
 }
 
-/// A copy of a deck that sets none of these keys, which would be set twice.
-fn without<'a>(deck: &Deck, mut keys: impl Iterator<Item = &'a str>, py: Python<'_>) -> PyResult<Deck> {
-    match keys.find(|key| deck.sets(key)) {
-        Some(key) => {
-            Err(errors::bad_input(py, &format!("`{key}` is set and varied"), "leave it out of one of the two"))
-        }
-        None => Ok(deck.clone()),
-    }
+/// Makes the runs at these points, a value for each key, that are not there yet, and returns the table.
+#[pyfunction]
+#[pyo3(signature = (deck, keys, points, folder, program, *, jobs, threads, engine, device, overwrite))]
+pub(crate) fn points<'py>(
+    py: Python<'py>,
+    deck: PyRef<'py, Deck>,
+    keys: Vec<String>,
+    points: Vec<Vec<String>>,
+    folder: PathBuf,
+    program: Vec<OsString>,
+    jobs: usize,
+    threads: Option<usize>,
+    engine: &str,
+    device: Option<String>,
+    overwrite: bool,
+) -> PyResult<Bound<'py, PyDict>> {
+    let making = Making::new(py, program, jobs, threads, engine, device)?;
+    let (deck, kind) = (without(&deck, keys.iter().map(String::as_str), py)?, Arc::clone(&making.kind));
+    let sweep = planned(py, folder, kind, overwrite, move |planning| {
+        Sweep::points(|set| deck.load_with(set), &keys, &points, planning)
+    })?;
+    let notes = notes_of(&sweep);
+    told(py, &making.make(py, sweep)?, notes)
+}
+
+/// A copy of a deck that sets none of these keys, which would be set twice, nor is any of them set by another one.
+fn without<'a>(deck: &Deck, keys: impl Iterator<Item = &'a str>, py: Python<'_>) -> PyResult<Deck> {
+    deck.refuse_overlapping(py, keys.map(str::to_owned).collect())?;
+    Ok(deck.clone())
 }
 
 /// Makes the runs at several spacings that are not there yet; returns the table, and order and limit of each measure.
@@ -133,12 +181,13 @@ pub(crate) fn convergence<'py>(
     let making = Making::new(py, program, jobs, threads, engine, device)?;
     let (deck, kind) = (without(&deck, ["particles.spacing"].into_iter(), py)?, Arc::clone(&making.kind));
     let to = folder.clone();
-    let planned = guard::in_pool(py, move || spaced(|set| deck.load_with(set), &spacings, &to, &*kind, overwrite));
-    let spaced = planned?.map_err(|error| errors::sweep(py, &error))?;
+    let spaced =
+        planned(py, to, kind, overwrite, move |planning| spaced(|set| deck.load_with(set), &spacings, planning))?;
+    let notes = notes_of(&spaced.sweep);
     let table = making.make(py, spaced.sweep)?;
     let convergence = Convergence::of(&table);
     convergence.write(&folder).map_err(|error| errors::output(py, &error))?;
-    let dict = told(py, &table)?;
+    let dict = told(py, &table, notes)?;
     let measures = PyDict::new(py);
     for measure in &convergence.measures {
         let of = PyDict::new(py);

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 import subprocess
 import sys
 
@@ -21,16 +22,44 @@ def test_a_run_is_read_with_units(run):
     history = run.history
     assert history.units["kinetic_energy"] == "J/m" and history.meanings["time"]
     assert history["height"][-1] == run.measures["height"] and (np.diff(history["time"]) > 0).all()
-    with pytest.raises(KeyError, match="it has: .*height"):
+    with pytest.raises(KeyError, match="did you mean `height`.*it has: .*height"):
         history["heigt"]
+    for numbers in (run.measures, run.measure_units):
+        with pytest.raises(KeyError, match="there is no measure `hight`; did you mean `height`"):
+            numbers["hight"]
+        assert pickle.loads(pickle.dumps(numbers)) == numbers == dict(numbers)
+    with pytest.raises(KeyError, match="did you mean `plastic_strain`"):
+        run.frames[-1]["plastic_strian"]
     frames = run.frames
     assert len(frames) == 5 and frames.times[2] == frames[2].time and frames[-1].step == run.summary["steps"]
+    assert frames[0].spacings == [pytest.approx(1e-3)] and frames[0].bodies == ["plate"]
     assert frames.nearest("1.1 us").time == pytest.approx(1e-6) and len(frames[1:3]) == 2
-    with pytest.raises(IndexError):
-        frames[5]
+    for index in (5, -6):
+        with pytest.raises(IndexError, match=f"no frame {index}: its frames are from 0 to 4, or from -5 to -1"):
+            frames[index]
+    for time in (float("nan"), float("inf"), 10**400):
+        with pytest.raises(ValueError, match="nearest|too large"):
+            frames.nearest(time)
+    with pytest.raises(IndexError, match="no frames"):
+        frames[5:].nearest(0.0)
+    with pytest.raises(IndexError, match="none yet"):
+        frames[5:][0]
+    # What limited steps is a text.
+    reasons = history["dt_reason"]
+    assert reasons.dtype.kind == "U" and len(reasons) == len(history["time"]) and set(reasons) <= {"sound-speed", "acceleration", "contact", "output"}
     stress = frames[-1]["stress"]
     assert stress.shape == (192, 6) and frames[-1].components("stress")[3] == "xy"
     assert frames[-1]["body"].dtype.kind == "u" and set(frames[-1]["body"]) == {0}
+
+
+def test_a_run_that_is_printed_says_what_the_terminal_does(run):
+    told = str(run).splitlines()
+    assert told[0] == repr(run) == "<sphorge.Run 'a': completed>"
+    for name, text in (("run", "reached its end time at 2 us"), ("work", "192 particles x"), ("energy drift", "%"), ("height", "mm"), ("memory", "as the engine counts it")):
+        assert any(line.startswith(f"{name}  ") and text in line for line in told), (name, told)
+    terminal = subprocess.run([sys.executable, "-m", "sphorge", "run", "a/deck.toml", "-o", "b", "--threads", "1"], capture_output=True, text=True).stdout
+    drift = next(line for line in told if line.startswith("energy drift"))
+    assert drift in terminal.splitlines()
 
 
 def test_a_run_under_way_is_read(deck):
@@ -40,6 +69,7 @@ def test_a_run_under_way_is_read(deck):
     assert run.status == "unfinished" and run.measures == {} and run.summary is None
     # The list of frames is written anew now and then.
     assert len(run.frames) in (1, 2) and len(run.history["time"]) >= 1
+    assert str(run) == "<sphorge.Run 'a': unfinished>"
     simulation.run()
     assert run.status == "completed" and len(run.frames) == 5
 
@@ -60,6 +90,15 @@ def test_what_is_no_run_or_damaged_is_told(here, run):
     (run.folder / "history.csv").write_text("time,step\n1,2,3\n")
     with pytest.raises(sp.FolderError, match="history.csv"):
         run.history
+    (run.folder / "history.csv").write_text("")
+    with pytest.raises(sp.FolderError, match="history.csv.*empty"):
+        run.history
+    (run.folder / "deck.toml").write_bytes(b"\xff\x00")
+    with pytest.raises(sp.FolderError, match="deck.toml is damaged"):
+        run.deck
+    (run.folder / "deck.toml").unlink()
+    with pytest.raises(sp.FolderError, match="deck.toml"):
+        run.deck
     (run.folder / "summary.json").write_text("{")
     with pytest.raises(sp.FolderError, match="summary.json"):
         run.status
@@ -69,13 +108,23 @@ def test_tables_are_those_of_other_packages(run):
     pandas = pytest.importorskip("pandas")
     frame = run.history.to_pandas()
     assert isinstance(frame, pandas.DataFrame) and frame.attrs["units"]["height"] == "m"
-    assert frame["height"].iloc[-1] == run.measures["height"]
+    assert frame["height"].iloc[-1] == run.measures["height"] and isinstance(frame["dt_reason"].iloc[-1], str)
+
+
+def test_tables_are_those_of_polars(run):
+    pytest.importorskip("polars")
+    frame = run.history.to_polars()
+    assert frame["height"][-1] == run.measures["height"] and frame["dt_reason"][-1] == run.history["dt_reason"][-1]
 
 
 def test_particles_are_those_of_pyvista(run):
-    pytest.importorskip("pyvista")
+    pyvista = pytest.importorskip("pyvista")
     points = run.frames[-1].to_pyvista()
     assert points.n_points == 192 and points["stress"].shape == (192, 6)
+    # In VTK's newer format, by VTK itself.
+    points.save("last.vtkhdf")
+    read = pyvista.read("last.vtkhdf")
+    assert (read["stress"] == run.frames[-1]["stress"]).all() and (read.points == points.points).all()
 
 
 def test_frames_are_a_dataset_of_xarray(run):
@@ -83,6 +132,15 @@ def test_frames_are_a_dataset_of_xarray(run):
     data = run.to_xarray(["pressure", "stress"])
     assert data["pressure"].dims == ("time", "particle") and data["pressure"].attrs["units"] == "Pa"
     assert data["stress"].sel(stress_component="xy").shape == (5, 192)
+
+
+def test_runs_are_written_for_rerun(here, run):
+    pytest.importorskip("rerun")
+    file = run.to_rerun("a.rrd", "pressure")
+    told = subprocess.run([sys.executable, "-m", "rerun", "rrd", "print", str(file)], capture_output=True, text=True, timeout=120)
+    assert told.returncode == 0 and "/bodies/plate" in told.stdout and "/measures/height" in told.stdout, told.stderr
+    with pytest.raises(KeyError, match="no field `presure`"):
+        run.to_rerun("b.rrd", "presure")
 
 
 def test_a_package_that_is_missing_is_named(run, monkeypatch):

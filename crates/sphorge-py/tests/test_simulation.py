@@ -1,7 +1,9 @@
 from __future__ import annotations
 
+import copy
 import gc
 import os
+import pickle
 import shutil
 import signal
 import subprocess
@@ -107,7 +109,8 @@ def test_callbacks_come_at_their_intervals_and_end_the_run(deck):
             return sp.STOP
 
     run = simulation.run()
-    assert run.status == "stopped" and simulation.summary["end_reason"] == "user"
+    assert run.status == "stopped" and simulation.summary["end_reason"] == "program"
+    assert simulation.summary["stopped_by"] == "the callback `by_time` returned sphorge.STOP"
     assert steps == list(range(5, steps[-1] + 1, 5))
     assert len(times) == 4 and all(k * 0.3e-6 <= t < k * 0.3e-6 + 0.1e-6 for k, t in enumerate(times, 1))
     # It goes on to where it would have ended, to the bit.
@@ -131,6 +134,7 @@ def test_a_callback_that_raises_ends_the_run_with_whole_files(deck):
     with pytest.raises(Own, match="seven"):
         list(simulation)
     assert simulation.has_ended and simulation.summary["status"] == "stopped" and simulation.summary["steps"] == 7
+    assert simulation.summary["end_reason"] == "program" and simulation.summary["stopped_by"] == "the callback `watch` raised Own: seven"
     run = sp.Run(simulation.folder)
     assert run.frames[-1].step == 7 and run.history["step"][-1] == 7
     assert not [name for name in os.listdir(run.folder) if "unfinished" in name]
@@ -153,7 +157,7 @@ def test_callbacks_cannot_drive_the_run_they_are_called_by(deck):
 
 
 @pytest.mark.parametrize(
-    "interval", [{}, {"steps": 1, "time": 1.0}, {"steps": 0}, {"steps": -1}, {"steps": 1.5}, {"steps": True}, {"time": 0}, {"time": float("nan")}, {"time": "1 mm"}, {"time": "soon"}]
+    "interval", [{"steps": 10**30}, {"time": 1e-320}, {"time": 10**400}, {"steps": np.int64(0)}, {"steps": np.float64(2)}, {}, {"steps": 1, "time": 1.0}, {"steps": 0}, {"steps": -1}, {"steps": 1.5}, {"steps": True}, {"time": 0}, {"time": float("nan")}, {"time": "1 mm"}, {"time": "soon"}]
 )
 def test_intervals_that_are_none_are_told(deck, interval):
     simulation = sp.Simulation(deck)
@@ -161,6 +165,18 @@ def test_intervals_that_are_none_are_told(deck, interval):
         simulation.every(**interval)
     with pytest.raises(TypeError):
         simulation.every(steps=1)(None)
+    called = []
+    simulation.every(steps=np.int64(3))(lambda state: called.append(state.step))
+    simulation.run()
+    assert called[:2] == [3, 6]
+    for late in (lambda: simulation.every(steps=1), lambda: simulation.load("plate")):
+        with pytest.raises(sp.SphorgeError, match="the simulation has ended"):
+            late()
+
+
+def test_stop_is_the_same_wherever_it_comes_from():
+    for again in (pickle.loads(pickle.dumps(sp.STOP)), copy.copy(sp.STOP), copy.deepcopy([sp.STOP])[0]):
+        assert again is sp.STOP
 
 
 def test_two_simulations_in_one_process_do_not_meet(here, deck):
@@ -226,6 +242,36 @@ def test_folders_in_the_way_are_told(here, deck):
     assert busy.run().status == "completed"
 
 
+def test_a_simulation_that_takes_no_step_is_in_nobodys_way(here, deck):
+    for leave in (lambda simulation: simulation.stop(), lambda simulation: next(simulation), lambda simulation: None):
+        simulation = sp.Simulation(deck, out="a", threads=1)
+        leave(simulation)
+        del simulation
+        gc.collect()
+        assert sp.Run("a").status == "stopped"
+        with pytest.raises(sp.SphorgeError, match="has taken no step") as told:
+            sp.Simulation.resume("a")
+        assert "run the deck again" in told.value.hint
+    # While it is there, it has the folder.
+    begun = sp.Simulation(deck, out="a", threads=1)
+    with pytest.raises(sp.FolderError, match="exists already"):
+        sp.Simulation(deck, out="a")
+    begun.step()
+    begun.stop()
+    # What has taken a step is not lost.
+    with pytest.raises(sp.FolderError, match="exists already"):
+        sp.Simulation(deck, out="a")
+    assert sp.Simulation.resume("a", threads=1).run().status == "completed"
+
+
+def test_the_summary_of_a_run_that_failed_is_there(deck):
+    simulation = sp.Simulation(deck, out="a", threads=1)
+    simulation.load("plate")(lambda state: [1e308, 0.0])
+    with pytest.raises(sp.RunFailed):
+        simulation.run()
+    assert simulation.summary == sp.Run("a").summary and simulation.summary["status"] == "failed"
+
+
 def test_a_folder_that_vanishes_is_an_exception_and_no_more(here, deck):
     simulation = sp.Simulation(deck, out="a", threads=1)
     frame = next(simulation)
@@ -245,6 +291,28 @@ def test_a_run_that_breaks_down_says_where(deck):
         sp.Simulation(deck, out="a").run()
     assert failed.value.step == 1 and failed.value.time == 0.0
     assert sp.Run("a").status == "failed"
+
+
+def test_who_ended_a_run_is_told(deck):
+    with pytest.raises(KeyError):
+        with sp.Simulation(deck, out="a", threads=1) as simulation:
+            simulation.step()
+            {}["mine"]
+    assert simulation.summary["end_reason"] == "program" and simulation.summary["stopped_by"] == "the program raised KeyError: 'mine'"
+    with sp.Simulation(deck, out="b", threads=1) as simulation:
+        simulation.step()
+    assert simulation.summary["end_reason"] == "user" and "stopped_by" not in simulation.summary
+    simulation = sp.Simulation(deck, out="c", threads=1)
+
+    @simulation.every(steps=2)
+    def interrupted(state):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        simulation.run()
+    assert simulation.summary["end_reason"] == "user" and "stopped_by" not in simulation.summary
+    resumed = sp.Simulation.resume("c", threads=1).run()
+    assert resumed.summary["end_reason"] == "end-time" and "stopped_by" not in resumed.summary
 
 
 def test_checks_of_the_run_are_warnings(deck):

@@ -1,9 +1,11 @@
 from __future__ import annotations
 
+import itertools
 import os
 import signal
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -57,7 +59,14 @@ def test_what_is_wrong_is_told_before_the_first_run(here, deck):
     for wrong in ({"workers": 0}, {"workers": "2"}, {"threads": 0}, {"engine": "quantum"}):
         with pytest.raises((ValueError, sp.SphorgeError)):
             sp.sweep(deck, {"time.end": ["1 us"]}, out="s", **wrong)
+    for keys in (("body.plate.velocity.1", "body.0.velocity.1"), ("body.plate.velocity", "body.plate.velocity.1"), ('"time"."end"', "time.end")):
+        values = {"body.plate.velocity": [[0.0, -1.0]]}
+        with pytest.raises(sp.SphorgeError, match="set the same") as both:
+            sp.sweep(deck, {key: values.get(key, ["1 us"] if "time" in key else [-2.0]) for key in keys}, out="s")
+        assert all(f"`{key}`" in str(both.value) for key in keys)
     deck["time.end"] = "1 us"
+    with pytest.raises(sp.SphorgeError, match='`time.end` is set, and `"time".end`'):
+        sp.sweep(deck, {'"time".end': ["1 us"]}, out="s")
     with pytest.raises(sp.SphorgeError, match="set and varied"):
         sp.sweep(deck, {"time.end": ["1 us"]}, out="s")
     assert os.listdir(here) == []
@@ -75,12 +84,71 @@ def test_measures_have_order_and_limit(deck):
     height = found["height"]
     assert height.unit == "m" and list(height.values) == list(found.table["height"]) and len(height.values) == 3
     assert (height.order is None) == (height.limit is None) == (height.why_not is not None)
-    with pytest.raises(KeyError, match="height"):
+    with pytest.raises(KeyError, match="did you mean `height`"):
         found["heigt"]
     with pytest.raises(sp.SphorgeError, match="one spacing"):
         sp.convergence(deck, ["1 mm"], out="d")
     with pytest.raises(TypeError):
         sp.convergence(deck, "1 mm", out="d")
+
+
+def test_what_there_is_to_note_of_runs_is_told_with_the_study(deck):
+    deck["time.max-steps"] = 2
+    found = sp.convergence(deck, ["1 mm", "3 mm", "7 mm"], out="c")
+    assert set(found.notes) == {"particles.spacing=3mm", "particles.spacing=7mm"} and "mass than its shape" in found.notes["particles.spacing=7mm"][0]
+    assert repr(found).count("mass than its shape") == 2 and "note: particles.spacing=7mm: body `plate`" in repr(found)
+    told = subprocess.run([sys.executable, "-m", "sphorge", "convergence", "c/particles.spacing=1mm.toml", "--spacing", "1 mm,7 mm", "-o", "d"], capture_output=True, text=True)
+    assert told.returncode == 0 and "note: particles.spacing=7mm: body `plate`" in told.stderr, told.stderr
+
+
+def test_too_many_runs_are_counted_and_not_made_ready(here, deck):
+    many = [f"{k} ns" for k in range(1, 100_001)]
+    begun = time.monotonic()
+    for make in (
+        lambda: sp.sweep(deck, {"time.end": many}, out="s"),
+        lambda: sp.sweep(deck, {"time.end": (f"{k} ns" for k in itertools.count(1))}, out="s"),
+        lambda: sp.sweep(deck, {"time.end": many[:1000], "time.max-steps": range(1, 1001)}, out="s"),
+        lambda: sp.convergence(deck, np.linspace(1e-3, 2e-3, 20_000), out="s"),
+    ):
+        with pytest.raises((sp.SphorgeError, ValueError), match="more than 10000"):
+            make()
+    assert time.monotonic() - begun < 20.0 and os.listdir(here) == []
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no such signals")
+def test_ctrl_c_is_heard_while_a_sweep_is_made_ready(here, deck):
+    (here / "plate.toml").write_text(deck.text)
+    program = "import sphorge as sp; print('go', flush=True); sp.sweep('plate.toml', {'time.end': [f'{k} ns' for k in range(1, 9001)]}, out='s')"
+    child = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    child.stdout.readline()
+    time.sleep(1.0)
+    begun = time.monotonic()
+    child.send_signal(signal.SIGINT)
+    _, told = child.communicate(timeout=120)
+    assert "KeyboardInterrupt" in told and time.monotonic() - begun < 5.0 and not (here / "s").exists()
+
+
+def test_two_studies_do_not_make_the_same_runs(here, long_deck):
+    long_deck["output.frames"] = 100
+    (here / "long.toml").write_text(long_deck.text)
+    program = "import sphorge as sp; sp.sweep('long.toml', {'particles.spacing': ['0.5 mm']}, out='s')"
+    child = subprocess.Popen([sys.executable, "-c", program], stderr=subprocess.PIPE, text=True)
+    while not (here / "s/particles.spacing=0.5mm/history.csv").exists():
+        assert child.poll() is None
+        time.sleep(0.05)
+    with pytest.raises(sp.FolderError, match="another study makes runs in s: process") as told:
+        sp.sweep("long.toml", {"particles.spacing": ["0.5 mm", "2 mm"]}, out="s")
+    assert "overwrite" not in str(told.value) and not (here / "s/particles.spacing=2mm").exists()
+    child.send_signal(signal.SIGINT)
+    child.communicate(timeout=60)
+    assert sp.Run("s/particles.spacing=0.5mm").status == "stopped"
+    # The folder is free again.
+    assert sp.sweep("long.toml", {"time.max-steps": [2]}, out="s").is_complete
+
+
+def test_titles_are_shown_as_they_are(deck):
+    study = sp.sweep(deck, {"title": ["it's, \"x\"", "b"], "time.max-steps": [1]}, out="s")
+    assert "it's, \"x\" " in repr(study) and study.table["title"][0] == "it's, \"x\""
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no such signals")

@@ -39,7 +39,7 @@ fn main() -> miette::Result<()> {
     };
     // What is wrong with a deck, or goes wrong in a run, is told by `miette` as the command line does: with the line and the cure.
     let setup = deck::load(&file, &[], MAX_PARTICLES)?;
-    setup.notes.iter().for_each(|note| println!("note: {note}"));
+    setup.all_notes().iter().for_each(|note| println!("note: {note}"));
 
     // Raise the flag from another thread, or a handler of signals, and the run ends after the present step.
     let stop = AtomicBool::new(false);

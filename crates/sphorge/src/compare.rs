@@ -1,7 +1,7 @@
 //! Runs side by side: measures, times, conservation.
 
 use super::number::{four_digits, plain, plain_quantity};
-use crate::output::{AuditRecord, OutputError, RunDirectory, Status, Summary};
+use crate::output::{AuditRecord, DrivenRecord, MemoryOf, OutputError, RunDirectory, Status, Summary};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use serde::Serialize;
 use std::{fmt, path::PathBuf};
@@ -15,6 +15,8 @@ pub struct Comparison {
     pub status: Vec<Status>,
     /// What checks found broken in each, by name.
     pub warnings: Vec<Vec<String>>,
+    /// What a program gave to each, if it did: its deck alone is another run.
+    pub driven: Vec<Option<DrivenRecord>>,
     /// One row for each quantity, measures first.
     pub rows: Vec<ComparisonRow>,
 }
@@ -43,7 +45,8 @@ impl Comparison {
         let status = summaries.iter().map(|summary| summary.status).collect();
         let names = |summary: &Summary| summary.warnings.iter().map(|warning| warning.name.clone()).collect();
         let warnings = summaries.iter().map(names).collect();
-        Ok(Self { runs: run_names(paths), status, warnings, rows: rows(&summaries) })
+        let driven = summaries.iter().map(|summary| summary.driven.clone()).collect();
+        Ok(Self { runs: run_names(paths), status, warnings, driven, rows: rows(&summaries) })
     }
 }
 
@@ -90,9 +93,11 @@ fn rows(summaries: &[Summary]) -> Vec<ComparisonRow> {
     }
     add("neighbors", "", &|s| s.mean_neighbors);
     add("particle-steps per second", "1/s", &|s| s.particle_steps_per_second);
-    add("peak memory", "B", &|s| s.peak_memory_bytes as f64);
+    // That of the engine alone is another quantity, which has a row of its own.
+    let of_process = |s: &Summary| if s.peak_memory_of == MemoryOf::Process { s.peak_memory_bytes } else { 0 };
+    add("peak memory", "B", &|s| if of_process(s) == 0 { f64::NAN } else { of_process(s) as f64 });
     let per_particle = |bytes: u64, s: &Summary| if bytes == 0 { f64::NAN } else { bytes as f64 / s.particles as f64 };
-    add("peak memory, per particle", "B", &|s| per_particle(s.peak_memory_bytes, s));
+    add("peak memory, per particle", "B", &|s| per_particle(of_process(s), s));
     add("columns and lists, per particle", "B", &|s| per_particle(s.engine_memory_bytes, s));
     add("energy drift", "", &|s| s.energy.relative_drift);
     add("momentum drift", "", &|s| s.momentum_drift);
@@ -135,6 +140,11 @@ impl fmt::Display for Comparison {
         if self.warnings.iter().any(|names| !names.is_empty()) {
             let warnings = self.warnings.iter().map(|names| names.join(", "));
             table.add_row(std::iter::once("warnings".to_owned()).chain(warnings));
+        }
+        if self.driven.iter().any(Option::is_some) {
+            let driven =
+                self.driven.iter().map(|of| of.as_ref().map_or_else(|| "\u{2013}".to_owned(), ToString::to_string));
+            table.add_row(std::iter::once("driven".to_owned()).chain(driven));
         }
         for row in &self.rows {
             let texts = (0..self.runs.len()).map(|k| row.text(k));
@@ -198,7 +208,23 @@ mod tests {
         );
         assert_eq!(comparison.status, [Status::Completed, Status::Completed]);
         assert!(!table.contains(['\u{2212}', 'µ']), "{table}");
-        assert!(!table.contains("warnings"), "{table}");
+        assert!(!table.contains("warnings") && !table.contains("driven"), "{table}");
+    }
+
+    #[test]
+    fn what_a_program_gave_is_shown_and_memory_of_engines_is_not_that_of_processes() {
+        let folder = tempfile::tempdir().unwrap();
+        let driven = DrivenRecord { loads: vec!["bar".into()], motions: vec!["grip".into()] };
+        let other = Summary { driven: Some(driven.clone()), peak_memory_of: MemoryOf::Engine, ..summary(2.0, &[]) };
+        let paths = [save(folder.path(), "a", &summary(4.0, &[])), save(folder.path(), "b", &other)];
+        let comparison = Comparison::read(&paths).unwrap();
+        assert_eq!(comparison.driven, [None, Some(driven)]);
+        let table = comparison.to_string();
+        assert!(table.contains("by a program: load on `bar`; velocity of `grip`"), "{table}");
+        for name in ["peak memory", "peak memory, per particle"] {
+            let row = comparison.rows.iter().find(|row| row.quantity == name).unwrap();
+            assert!(row.values[0].is_some() && row.values[1].is_none(), "{row:?}");
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! A [`deck`] becomes a validated [`model`]; [`run`] takes its [`particles`] through time with an [`engine`], [`measures`] them and
 //! writes what happened ([`output`]); [`plot`] and [`compare`] read the files, [`sweep`] varies keys of a deck,
-//! [`validate`] compares cases with known answers.
+//! [`validate`] compares cases with known answers, [`view`] shows runs in a browser.
 //!
 //! ```
 //! use sphorge::{deck::load_text, decks, engine::ENGINES, output::{RunDirectory, Summary}, run::{RunOptions, Silent, execute}};
@@ -25,6 +25,7 @@
 //! The folder `examples` of the crate has longer ones: running a deck with progress and pictures, varying a parameter, reading a run.
 
 pub mod bench;
+mod cells;
 pub mod compare;
 pub mod forecast;
 mod machine;
@@ -36,6 +37,7 @@ pub mod plot;
 pub mod run;
 pub mod sweep;
 pub mod validate;
+pub mod view;
 
 pub use sphorge_deck as deck;
 pub use sphorge_deck::{decks, material};

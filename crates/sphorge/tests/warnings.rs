@@ -137,7 +137,7 @@ fn a_sound_deck_is_told_nothing_and_each_slip_in_it_is() {
     let text = fs::read_to_string(page().with_file_name("warnings").join("sound.toml")).unwrap();
     let notes = |changes: &[(&str, &str)]| {
         let changes: Vec<_> = changes.iter().map(|&(key, value)| (key.to_owned(), value.to_owned())).collect();
-        load_text("sound", &text, &changes).unwrap_or_else(|report| panic!("{report:?}")).notes
+        load_text("sound", &text, &changes).unwrap_or_else(|report| panic!("{report:?}")).all_notes()
     };
     assert_eq!(notes(&[]), [""; 0]);
     let mut table = "| change | note |\n|---|---|\n".to_owned();

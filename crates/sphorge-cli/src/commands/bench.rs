@@ -22,8 +22,8 @@ Examples:
 
 Rates are per core, that is per thread in use; for a graphics card they are
 for the whole card. Pairs are ordered pairs inside the kernel support, counted
-once per step. With `--engine gpu` each case is run a second time, waiting for
-each kernel; shares of stages and kernel times come from that run.")]
+once per step. With `--engine gpu` each case goes on for as long again, waiting
+for each kernel; shares of stages and kernel times come from these steps.")]
 pub(crate) struct BenchArguments {
     /// Cases to measure [default: all]
     #[arg(value_name = "CASE", value_parser = clap::builder::PossibleValuesParser::new(CASES.iter().map(|case| case.deck)))]

@@ -40,7 +40,8 @@ pub(crate) fn execute(arguments: CheckArguments) -> Ending {
     let engine = arguments.engine.find()?;
     let setup = arguments.deck.find()?.load()?;
     let advice = advice(&setup.model, &setup.particles);
-    let notes = setup.catalogue_notes.iter().chain(&setup.notes).chain(&advice.notes);
+    let own = setup.all_notes();
+    let notes = setup.catalogue_notes.iter().chain(&own).chain(&advice.notes);
     notes.for_each(|note| terminal::note(&format!("note: {note}")));
     let options = ForecastOptions { engine, threads: arguments.threads, seconds: SECONDS };
     let forecast = forecast(setup, &options).map_err(|error| Failure::BadInput(error.into()))?;

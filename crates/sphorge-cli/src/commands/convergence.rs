@@ -7,10 +7,11 @@ use crate::{
     terminal,
 };
 use clap::Args;
-use sphorge::sweep::{Convergence, spaced};
+use sphorge::sweep::{Convergence, Planning, spaced};
 use std::{
     ffi::OsString,
     path::{Path, PathBuf},
+    sync::atomic::AtomicBool,
 };
 
 /// Arguments of `convergence`.
@@ -44,12 +45,12 @@ pub(crate) fn execute(arguments: ConvergenceArguments, program: &[OsString]) -> 
     let ConvergenceArguments { deck, spacing, output, runs } = arguments;
     let engine = runs.engine.find()?;
     let deck = deck.find()?;
-    if deck.sets("particles.spacing") {
-        return Err(Failure::bad_input("`particles.spacing` is set and varied", "leave out its `--set`"));
-    }
+    deck.refuse_set_keys(["particles.spacing"].into_iter())?;
     let folder = output.unwrap_or_else(|| Path::new("out").join(format!("{}-convergence", deck.name())));
     let spacings: Vec<String> = spacing.iter().map(|text| text.trim().to_owned()).collect();
-    let spaced = spaced(|set| deck.load_with(set), &spacings, &folder, &*engine, runs.overwrite).map_err(failure)?;
+    // Nothing is written meanwhile: Ctrl-C ends the program.
+    let planning = Planning { folder: &folder, engine: &*engine, again: runs.overwrite, stop: &AtomicBool::new(false) };
+    let spaced = spaced(|set| deck.load_with(set), &spacings, &planning).map_err(failure)?;
     for body in &spaced.in_proportion {
         terminal::note(&format!("note: the spacing of `{body}` keeps its ratio to `particles.spacing`"));
     }

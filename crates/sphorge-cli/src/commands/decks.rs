@@ -13,12 +13,17 @@ use sphorge::decks::{self, DECKS};
 #[command(after_help = "\
 Examples:
   sphorge decks
-  sphorge decks iron-plate > my.toml      start a deck of your own")]
+  sphorge decks iron-plate > my.toml      start a deck of your own
+  sphorge schema > deck.schema.json       beside it: an editor that knows the
+                                          first line of the deck completes keys")]
 pub(crate) struct DecksArguments {
     /// Shipped deck to print
     #[arg(value_name = "NAME")]
     name: Option<String>,
 }
+
+/// What tells editors which schema a deck has: that of `sphorge schema`, in the same folder.
+const SCHEMA: &str = "#:schema deck.schema.json";
 
 pub(crate) fn execute(arguments: DecksArguments) -> Ending {
     let text = match arguments.name {
@@ -28,7 +33,7 @@ pub(crate) fn execute(arguments: DecksArguments) -> Ending {
             format!("{table}\n`sphorge run NAME` runs one, `sphorge decks NAME` prints it.\n")
         }
         Some(name) => match decks::find(&name) {
-            Some(deck) => deck.text.to_owned(),
+            Some(deck) => format!("{SCHEMA}\n{}", deck.text),
             None => {
                 let message = format!("there is no shipped deck `{name}`");
                 let near = did_you_mean(decks::like(&name));

@@ -58,7 +58,9 @@ fn details(material: &MaterialListing) -> String {
         let _ = writeln!(text, "note: {doubt}");
     }
     text += &format!("\n{}", constants(&material.constants));
-    for (what, law) in [("pressure", &material.equation_of_state), ("strength", &material.strength)] {
+    let laws =
+        [("pressure", &material.equation_of_state), ("strength", &material.strength), ("damage", &material.damage)];
+    for (what, law) in laws {
         if let Some(law) = law {
             let _ = write!(
                 text,

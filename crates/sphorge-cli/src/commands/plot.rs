@@ -1,7 +1,10 @@
 //! `sphorge plot`: pictures of runs.
 
 use crate::{
-    commands::plot_quantities::{read_quantities, read_width},
+    commands::{
+        picture_arguments::{ColorArgument, parse_mirror, parse_range, parse_section},
+        plot_quantities::{read_quantities, read_width},
+    },
     failure::{Ending, Failure, Outcome},
     readable::quantity,
     terminal,
@@ -11,7 +14,7 @@ use sphorge::{
     output::{OutputError, RunDirectory, read_series},
     particles::find_field,
     plot::{
-        ColorMap, ColumnsPicture, Condition, FieldPicture, FrameChoice, Paper, PictureFormat, PlotError, Section, View,
+        ColumnsPicture, Condition, FieldPicture, FrameChoice, Mirror, Paper, PictureFormat, PlotError, Section, View,
         animate_field, common_measures, plot_each_frame, plot_field, plot_field_of_runs, plot_run,
     },
 };
@@ -55,7 +58,7 @@ pub(crate) struct PlotArguments {
     /// Draw the frames nearest to these times, side by side
     #[arg(long, value_name = "TIME", value_delimiter = ',', value_parser = parse_time, requires = "fields", conflicts_with = "frames")]
     time: Vec<FrameChoice>,
-    /// Draw the frames (all, unless some are named) as an animated PNG
+    /// Draw the frames (all, unless some are named) as an animated PNG; `ffmpeg -i name.png name.mp4` makes a film of it
     #[arg(long, requires = "fields", conflicts_with = "format")]
     animate: bool,
     /// Length of the animation
@@ -73,9 +76,9 @@ pub(crate) struct PlotArguments {
     /// Draw the particles alone that meet a condition such as "plastic_strain > 0.2" or "pressure < -1 GPa"; of several, all
     #[arg(long = "where", value_name = "CONDITION", value_parser = parse_condition, requires = "fields")]
     conditions: Vec<Condition>,
-    /// Add the images in the deck's symmetry planes: the whole of a half or quarter model
-    #[arg(long, requires = "fields")]
-    mirror: bool,
+    /// Add the images in the deck's symmetry planes: the whole of a half or quarter model; not in a plane towards which a body flies at the start, which stands for a wall, unless it is named: --mirror=x,y,z
+    #[arg(long, value_name = "AXES", num_args = 0..=1, require_equals = true, default_missing_value = "halving", value_parser = parse_mirror, requires = "fields")]
+    mirror: Option<Mirror>,
     /// Draw the deck's measures of craters and clouds on the particles
     #[arg(long, requires = "fields")]
     measures: bool,
@@ -112,17 +115,6 @@ pub(crate) struct PlotArguments {
     /// Width of the picture, such as "85 mm" or "390 px" [default: automatic]
     #[arg(long, value_name = "WIDTH")]
     width: Option<String>,
-}
-
-/// Colours.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum ColorArgument {
-    /// Dark blue to yellow
-    Viridis,
-    /// Black through red to yellow
-    Inferno,
-    /// Blue over grey to red
-    Diverging,
 }
 
 /// Forms of pictures.
@@ -192,27 +184,14 @@ fn parse_condition(text: &str) -> Result<Condition, String> {
     Ok(Condition { field: field.to_owned(), is_above: text[at..].starts_with('>'), bound })
 }
 
-fn parse_section(text: &str) -> Result<Section, String> {
-    if text == "middle" {
-        return Ok(Section::Middle);
-    }
-    let bad = || "write an axis or a normal, and where: `x at 3 mm`, `1,1,0 at 0,0,5 mm`".to_owned();
-    let (direction, place) =
-        text.split_once(" at ").map_or((text, None), |(direction, place)| (direction, Some(place)));
-    if let Some(axis) = ["x", "y", "z"].iter().position(|name| *name == direction.trim()) {
-        let along = |length: f64| std::array::from_fn(|k| if k == axis { length } else { 0.0 });
-        let place = place.map(|place| read_quantities::<1>(place, "m")).transpose()?;
-        return Ok(Section::Across { normal: along(1.0), point: place.map(|[place]| along(place)) });
-    }
-    let normal = read_quantities::<3>(direction, "").map_err(|_| bad())?;
-    if normal.iter().all(|x| *x == 0.0) {
-        return Err(bad());
-    }
-    let point = place.map(|place| read_quantities::<3>(place, "m")).transpose()?;
-    Ok(Section::Across { normal, point })
+pub(crate) fn execute(arguments: &PlotArguments) -> Ending {
+    let list: String = draw(arguments)?.iter().map(|file| format!("{}\n", terminal::path(file))).collect();
+    terminal::print(&list)?;
+    Ok(Outcome::Done)
 }
 
-pub(crate) fn execute(arguments: &PlotArguments) -> Ending {
+/// Draws what is asked for, and returns the files.
+pub(crate) fn draw(arguments: &PlotArguments) -> Result<Vec<PathBuf>, Failure> {
     let open = |path: &PathBuf| {
         let run = RunDirectory::open(path).map_err(|error| Failure::BadInput(error.into()))?;
         // The folder itself, where the path says `..`.
@@ -221,11 +200,7 @@ pub(crate) fn execute(arguments: &PlotArguments) -> Ending {
         Ok((name, run))
     };
     let runs = arguments.directories.iter().map(open).collect::<Result<Vec<_>, Failure>>()?;
-    let job = Job::new(&runs, arguments)?;
-    let files = job.draw()?;
-    let list: String = files.iter().map(|file| format!("{}\n", terminal::path(file))).collect();
-    terminal::print(&list)?;
-    Ok(Outcome::Done)
+    Job::new(&runs, arguments)?.draw()
 }
 
 /// What is drawn, and where to.
@@ -299,16 +274,21 @@ impl<'a> Job<'a> {
                 (true, Some(_)) => Err(Failure::bad_input("a table has no picture format", "leave out `--format`")),
             };
         }
-        let format = PictureFormat::of(file).map_err(failure)?;
+        // The format is that of the name unless `--format` says another one.
+        let drawn = PictureFormat::of(file);
+        if self.arguments.animate && !matches!(drawn, Ok(PictureFormat::Png)) {
+            return Err(Failure::bad_input(
+                "an animation is an animated PNG file",
+                "end the name with .png, which browsers play; `ffmpeg -i name.png name.mp4` makes a film of it, and in Python `run.plot(field, animate=True, format=\"webp\")` an animated WebP",
+            ));
+        }
+        let format = drawn.map_err(failure)?;
         if format != self.format {
             let ending = self.format.extension();
             return Err(Failure::bad_input(
                 format!("{} does not end in .{ending}, the chosen format", file.display()),
                 format!("end it with .{ending}, or leave out `--format`"),
             ));
-        }
-        if self.arguments.animate && format != PictureFormat::Png {
-            return Err(Failure::bad_input("an animation is a PNG file", "end the name with .png"));
         }
         let named = self.arguments.fields.len() + usize::from(!self.arguments.columns.is_empty());
         // Of several runs, what they have in common is one.
@@ -394,11 +374,7 @@ impl<'a> Job<'a> {
             measures: arguments.measures,
             range,
             window: arguments.window,
-            color_map: arguments.colors.map(|colors| match colors {
-                ColorArgument::Viridis => ColorMap::Viridis,
-                ColorArgument::Inferno => ColorMap::Inferno,
-                ColorArgument::Diverging => ColorMap::Diverging,
-            }),
+            color_map: arguments.colors.map(ColorArgument::map),
             paper: self.paper,
             ..FieldPicture::new(field)
         };
@@ -465,20 +441,6 @@ fn is_table(file: &Path) -> bool {
     file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"))
 }
 
-fn parse_range(text: &str, field: &str) -> Result<(f64, f64), Failure> {
-    let unit = find_field(field.split('.').next().unwrap_or_default()).map_or("", |field| field.unit);
-    let bad = |reason: &str| {
-        Failure::bad_input(
-            format!("`--range {text}` of {field}: {reason}"),
-            "write two values, the smaller first: `0,1.5`, or with a unit `-1,1 GPa`",
-        )
-    };
-    match read_quantities(text, unit).map_err(|reason| bad(&reason))? {
-        [low, high] if low < high => Ok((low, high)),
-        _ => Err(bad("the first value is not the smaller one")),
-    }
-}
-
 /// How a frame is called in the name of a picture: one chosen by its time, by the time it has.
 fn frame_word(frame: FrameChoice, series: &[(f64, PathBuf)]) -> String {
     match frame {
@@ -503,18 +465,6 @@ fn failure(error: PlotError) -> Failure {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn planes_are_read_as_axes_or_normals_with_a_place() {
-        let across = |normal, point| Ok(Section::Across { normal, point });
-        assert_eq!(parse_section("middle"), Ok(Section::Middle));
-        assert_eq!(parse_section("y"), across([0.0, 1.0, 0.0], None));
-        assert_eq!(parse_section("y at -3 mm"), across([0.0, 1.0, 0.0], Some([0.0, -3e-3, 0.0])));
-        assert_eq!(parse_section("1,1,0 at 0,2,5 mm"), across([1.0, 1.0, 0.0], Some([0.0, 2e-3, 5e-3])));
-        for bad in ["w", "0,0,0", "1,1", "x at 3 s", "x at 1,2 mm", "1,0,0 at 3 mm"] {
-            assert!(parse_section(bad).is_err(), "{bad}");
-        }
-    }
 
     #[test]
     fn conditions_are_read_with_the_unit_of_their_field() {

@@ -1,5 +1,6 @@
 //! `sphorge run`: a deck becomes a folder of results.
 
+use super::view;
 use crate::{
     checkpoint_arguments::CheckpointArguments,
     deck_arguments::DeckArguments,
@@ -11,10 +12,16 @@ use crate::{
 };
 use clap::Args;
 use sphorge::{
-    output::{BodyRecord, EndReason, RunDirectory, Status, Summary},
+    output::{BodyRecord, EndReason, MemoryOf, RunDirectory, Status, Summary},
     run::{RunError, RunOptions},
+    view::Viewer,
 };
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    sync::atomic::Ordering,
+    thread,
+    time::Duration,
+};
 
 /// Arguments of `run`.
 #[derive(Debug, Args)]
@@ -23,6 +30,7 @@ Examples:
   sphorge run iron-plate
   sphorge run my.toml -o out/fine --set particles.spacing=\"0.15 mm\" --threads 8
   sphorge run taylor-bar --precision double --set time.end=\"20 us\" --overwrite
+  sphorge run iron-plate --view
 
 Ctrl-C stops the run after the current step and saves its state. All files
 are complete up to that point, and the exit code is 130; before the first
@@ -54,6 +62,12 @@ pub(crate) struct RunArguments {
     /// Exit with code 1 if a check finds the run broken
     #[arg(long)]
     strict: bool,
+    /// Open a page that shows the run while it goes on, as `sphorge view` does; the program stays until Ctrl-C
+    #[arg(long)]
+    view: bool,
+    /// With `--view`, print the address of the page and open no browser
+    #[arg(long, requires = "view")]
+    no_open: bool,
     #[command(flatten)]
     checkpoints: CheckpointArguments,
     #[command(flatten)]
@@ -119,18 +133,44 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
         Err(ending) => return ending,
     };
     if !arguments.told.quiet {
-        setup.notes.iter().for_each(|note| terminal::note(&format!("note: {note}")));
+        setup.all_notes().iter().for_each(|note| terminal::note(&format!("note: {note}")));
         if let Some(note) = arguments.threads.and_then(too_many_threads) {
             terminal::note(&note);
         }
     }
+    let viewer = if arguments.view { Some(view(&directory, !arguments.no_open)?) } else { None };
     let result = sphorge::run::execute(setup, &*engine, &options, stop.flag(), &mut display);
     stop.finish();
     drop(display);
     if let Err(RunError::Failed { summary, .. }) = &result {
         arguments.told.print_json(summary)?;
     }
-    conclude(&result.map_err(failure)?, &directory, arguments.strict, arguments.told)
+    let ending =
+        result.map_err(failure).and_then(|summary| conclude(&summary, &directory, arguments.strict, arguments.told));
+    // Who has stopped the run has seen enough, and of one that was refused there is nothing to see.
+    let stays = viewer.is_some() && !stop.flag().load(Ordering::Relaxed);
+    if stays && !matches!(ending, Err(Failure::BadInput(_))) {
+        stop.be_quiet();
+        if let Some(report) = ending.as_ref().err().and_then(Failure::report) {
+            terminal::report(report);
+        }
+        terminal::note("the page shows the run until Ctrl-C");
+        while !stop.flag().load(Ordering::Relaxed) {
+            thread::sleep(Duration::from_millis(50));
+        }
+        return ending.map_err(Failure::told);
+    }
+    ending
+}
+
+/// Shows a run that is about to write to a folder.
+fn view(directory: &Path, opens: bool) -> Result<Viewer, Failure> {
+    let viewer = Viewer::await_run(directory, 0).map_err(view::failure)?;
+    viewer.start().map_err(view::failure)?;
+    // Standard output holds the result alone.
+    terminal::note(viewer.address());
+    view::open(&viewer, opens);
+    Ok(viewer)
 }
 
 /// What a run that could not be made or failed is for the user.
@@ -142,7 +182,7 @@ pub(crate) fn failure(error: RunError) -> Failure {
 pub(crate) fn conclude(summary: &Summary, directory: &Path, strict: bool, told: ToldArguments) -> Ending {
     told.print_json(summary)?;
     if !told.json && !told.quiet {
-        terminal::print(&report(summary, directory))?;
+        terminal::print(&report_with_files(summary, directory))?;
     }
     match summary.status {
         Status::Stopped => Ok(Outcome::Stopped),
@@ -171,23 +211,47 @@ fn masses(bodies: &[BodyRecord]) -> String {
 }
 
 /// What the run did, for people.
-fn report(summary: &Summary, directory: &Path) -> String {
+pub fn report(summary: &Summary) -> String {
+    table::facts(&facts(summary))
+}
+
+/// The same with where its files are and what can be done with them.
+fn report_with_files(summary: &Summary, directory: &Path) -> String {
+    let mut facts = facts(summary);
+    let folder = terminal::path(directory);
+    facts.push(("files", format!("{folder}: summary.json, history.csv, deck.toml, fields/")));
+    facts.push(("in ParaView", format!("paraview {folder}/fields.pvd")));
+    facts.push(("pictures", format!("sphorge plot {folder}")));
+    // What a program drove does not go on without it.
+    let can_go_on = summary.status == Status::Stopped && summary.driven.is_none();
+    if can_go_on && RunDirectory::open(directory).is_ok_and(|run| run.has_checkpoint()) {
+        let ranks = if summary.ranks > 1 { format!(" --ranks {}", summary.ranks) } else { String::new() };
+        facts.push(("to continue", format!("sphorge resume {folder}{ranks}")));
+    }
+    table::facts(&facts)
+}
+
+fn facts(summary: &Summary) -> Vec<(&str, String)> {
     let end = match summary.end_reason {
         EndReason::EndTime => "reached its end time",
         EndReason::KineticEnergy => "reached `time.stop-kinetic-fraction`",
         EndReason::MaxSteps => "reached `time.max-steps`",
         EndReason::User => "stopped by the user",
+        EndReason::Program => "stopped by the program that drives it",
         EndReason::Failure => "failed",
     };
     let drift =
         |last: f64, largest: f64| format!("{} (largest {})", readable::percent(last), readable::percent(largest));
     let energy = &summary.energy;
     let masses = masses(&summary.bodies);
-    let many = summary.ranks > 1;
     let memory = format!(
         "{}{}",
         readable::bytes(summary.peak_memory_bytes as f64),
-        if many { " on the first rank" } else { "" }
+        match summary.peak_memory_of {
+            MemoryOf::Engine => " as the engine counts it",
+            MemoryOf::Process if summary.ranks > 1 => " on the first rank",
+            MemoryOf::Process => "",
+        }
     );
     let mut facts = vec![
         ("run", format!("{end} at {}", readable::quantity(summary.simulated_time, "s"))),
@@ -207,6 +271,12 @@ fn report(summary: &Summary, directory: &Path) -> String {
         ("energy drift", drift(energy.relative_drift, energy.largest_relative_drift)),
         ("momentum drift", drift(summary.momentum_drift, summary.largest_momentum_drift)),
     ];
+    if let Some(driven) = &summary.driven {
+        facts.push(("driven", format!("{driven}; its deck alone is another run")));
+    }
+    if let Some(by) = &summary.stopped_by {
+        facts.push(("stopped by", by.clone()));
+    }
     let warnings: Vec<&str> = summary.warnings.iter().map(|warning| warning.name.as_str()).collect();
     let warnings = format!("{}: explained in summary.json", warnings.join(", "));
     if !summary.warnings.is_empty() {
@@ -217,13 +287,5 @@ fn report(summary: &Summary, directory: &Path) -> String {
         let value = value.map_or_else(|| "no value yet".to_owned(), |value| readable::quantity(value, unit));
         facts.push((name, value));
     }
-    let folder = terminal::path(directory);
-    facts.push(("files", format!("{folder}: summary.json, history.csv, deck.toml, fields/")));
-    facts.push(("in ParaView", format!("paraview {folder}/fields.pvd")));
-    facts.push(("pictures", format!("sphorge plot {folder}")));
-    if summary.status == Status::Stopped && RunDirectory::open(directory).is_ok_and(|run| run.has_checkpoint()) {
-        let ranks = if many { format!(" --ranks {}", summary.ranks) } else { String::new() };
-        facts.push(("to continue", format!("sphorge resume {folder}{ranks}")));
-    }
-    table::facts(&facts)
+    facts
 }

@@ -10,11 +10,12 @@ use clap::{Args, ValueEnum};
 use sphorge::{
     deck::{did_you_mean, names_like},
     plot::{CurvesPicture, Paper, PictureFormat},
-    sweep::{Sweep, SweepColumn, SweepError, SweepTable, Varied},
+    sweep::{Planning, Sweep, SweepColumn, SweepError, SweepTable, Varied},
 };
 use std::{
     ffi::OsString,
     path::{Path, PathBuf},
+    sync::atomic::AtomicBool,
 };
 
 /// Arguments of `sweep`.
@@ -69,18 +70,15 @@ pub(crate) fn execute(arguments: SweepArguments, program: &[OsString]) -> Ending
     let SweepArguments { deck, varied, output, runs, plots, over, format } = arguments;
     let engine = runs.engine.find()?;
     let deck = deck.find()?;
-    if let Some(both) = varied.iter().find(|of| deck.sets(&of.key)) {
-        return Err(Failure::bad_input(
-            format!("`{}` is set and varied", both.key),
-            "leave out its `--set`, or `--precision`",
-        ));
-    }
+    deck.refuse_set_keys(varied.iter().map(|of| of.key.as_str()))?;
     let folder = output.unwrap_or_else(|| Path::new("out").join(format!("{}-sweep", deck.name())));
     let along = match &plots[..] {
         [] => None,
         _ => Some(along(&varied, over.as_deref()).map_err(failure)?),
     };
-    let sweep = Sweep::plan(|set| deck.load_with(set), varied, &folder, &*engine, runs.overwrite).map_err(failure)?;
+    // Nothing is written meanwhile: Ctrl-C ends the program.
+    let planning = Planning { folder: &folder, engine: &*engine, again: runs.overwrite, stop: &AtomicBool::new(false) };
+    let sweep = Sweep::plan(|set| deck.load_with(set), varied, &planning).map_err(failure)?;
     if let Some(unknown) = plots.iter().find(|measure| !sweep.measures.contains(measure)) {
         let near = did_you_mean(names_like(unknown, sweep.measures.iter().map(String::as_str)));
         return Err(Failure::bad_input(

@@ -1,5 +1,6 @@
 //! Particles from a CSV file.
 
+use super::described;
 use crate::fault::{Fault, Problems};
 use crate::quantity::{QuantityKind, parse_quantity};
 use crate::raw::RawTable;
@@ -71,6 +72,8 @@ struct Columns {
     velocity: Vec<Option<usize>>,
     mass: Option<usize>,
     volume: Option<usize>,
+    /// Positions and velocities along axes that the deck does not have.
+    beyond: Vec<usize>,
 }
 
 impl Columns {
@@ -95,6 +98,11 @@ impl Columns {
             velocity: ["vx", "vy", "vz"][..count].iter().map(|name| place(name)).collect(),
             mass: place("mass"),
             volume: place("volume"),
+            beyond: ["x", "y", "z"][count..]
+                .iter()
+                .chain(&["vx", "vy", "vz"][count..])
+                .filter_map(|name| place(name))
+                .collect(),
         };
         if columns.mass.is_some() && columns.volume.is_some() {
             return Err("line 1: both `mass` and `volume`; one determines the other".to_owned());
@@ -123,6 +131,16 @@ impl Reader<'_> {
         let line = row.position().map_or(0, csv::Position::line);
         self.faults.push(format!("line {line}, column `{}`: `{text}` {fault}", &self.names[column]));
         f64::NAN
+    }
+
+    /// Notes a number of an axis that the deck does not have, unless it is zero.
+    fn zero(&mut self, row: &csv::StringRecord, column: usize, dimensions: Dimensions) {
+        if self.number(row, column, false).abs() > 0.0 {
+            let line = row.position().map_or(0, csv::Position::line);
+            let (name, text) = (&self.names[column], row.get(column).unwrap_or_default());
+            let fault = format!("line {line}, column `{name}`: {}, so `{text}` must be zero", described(dimensions));
+            self.faults.push(fault);
+        }
     }
 }
 
@@ -167,6 +185,9 @@ fn read(path: &Path, dimensions: Dimensions, units: &Units) -> Result<Vec<CloudP
         }
         for (k, column) in columns.velocity.iter().enumerate() {
             velocity[k] = column.map_or(0.0, |column| cells.number(&row, column, false) * units.velocity);
+        }
+        for &column in &columns.beyond {
+            cells.zero(&row, column, dimensions);
         }
         let share = match (columns.mass, columns.volume) {
             (Some(column), _) => CloudShare::Mass(cells.number(&row, column, true) * units.mass),

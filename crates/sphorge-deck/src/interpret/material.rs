@@ -5,12 +5,12 @@ use crate::fault::{Fault, Problems};
 use crate::material::{Constants, Incomplete, advice, build, constants, entries, entry};
 use crate::printable::is_printable;
 use crate::raw::RawMaterial;
-use crate::suggest::{did_you_mean, like};
+use crate::suggest::{did_you_mean, like, listed};
 use crate::value::Word;
 use sphorge_engine::model::Material;
 use sphorge_physics::flow::FlowLaw;
 use std::{
-    collections::{BTreeMap, HashMap},
+    collections::{BTreeMap, BTreeSet, HashMap},
     ops::Range,
 };
 
@@ -144,21 +144,28 @@ pub(crate) struct Chosen<'a> {
     notes: Vec<String>,
     /// The same of those of the catalogue as they are.
     catalogue_notes: Vec<String>,
+    /// Whether a body names no material that there is: one that no body uses may be the one it means.
+    lacks_some: bool,
 }
 
 impl<'a> Chosen<'a> {
     pub(crate) fn new(library: &'a Library) -> Self {
-        Self { library, chosen: Vec::new(), indices: HashMap::new(), notes: Vec::new(), catalogue_notes: Vec::new() }
+        let (notes, catalogue_notes) = (Vec::new(), Vec::new());
+        Self { library, chosen: Vec::new(), indices: HashMap::new(), notes, catalogue_notes, lacks_some: false }
     }
 
     /// The index of the material a body names.
     pub(crate) fn choose(&mut self, word: &Word, problems: &mut Problems) -> Option<usize> {
-        let name = word.text(problems)?;
+        let Some(name) = word.text(problems) else {
+            self.lacks_some = true;
+            return None;
+        };
         if let Some(&index) = self.indices.get(name) {
             return Some(index);
         }
         if !self.library.known(name) {
             problems.push(self.library.unknown(name, word.span()));
+            self.lacks_some = true;
             return None;
         }
         // A circular base has been reported.
@@ -177,6 +184,58 @@ impl<'a> Chosen<'a> {
         self.indices.insert(name.to_owned(), self.chosen.len());
         self.chosen.push((name.to_owned(), material, word.span()));
         Some(self.chosen.len() - 1)
+    }
+
+    /// Tells of materials of the deck that no body uses. One that is none, under a name that nothing else has, is a slip: what was to be
+    /// changed is another material.
+    pub(crate) fn tell_unused(&mut self, problems: &mut Problems) {
+        if self.lacks_some || self.chosen.is_empty() {
+            return;
+        }
+        let used = || self.chosen.iter().map(|(name, ..)| name.as_str());
+        // Those that others are based on count with them.
+        let mut reached: BTreeSet<&str> = used().collect();
+        for (name, ..) in &self.chosen {
+            let mut next = self.library.own.get(name);
+            while let Some(base) = next.and_then(|own| own.base.as_deref()) {
+                next = if reached.insert(base) { self.library.own.get(base) } else { None };
+            }
+        }
+        let unused = self.library.own.iter().filter(|(name, _)| !reached.contains(name.as_str()));
+        for (name, own) in unused {
+            let (Some(constants), false) = (self.library.constants(name), self.library.is_spoiled(name)) else {
+                continue;
+            };
+            let near = like(name, used());
+            // Something whole may be meant for a body: what is like its name is told only where a body uses that.
+            match build(name, &constants) {
+                Ok(_) | Err(Incomplete::Inconsistent(_)) => self.notes.push(format!(
+                    "no body uses material `{name}` of the deck, so its constants have no effect; {}bodies use {}",
+                    did_you_mean(near),
+                    listed(used(), "and")
+                )),
+                Err(Incomplete::Missing(missing)) => {
+                    let lacks = match &missing[..] {
+                        [first, second, more @ ..] if more.len() > 1 => {
+                            format!("`{}`, `{}` and {} more constants", first.key, second.key, more.len())
+                        }
+                        few => listed(few.iter().map(|constant| constant.key), "and"),
+                    };
+                    let message =
+                        format!("there is no material called `{name}`, and what the deck gives of it makes none");
+                    let fault = Fault::new(
+                        "unknown-name",
+                        message,
+                        own.at.clone(),
+                        format!("used by no body, without {lacks}"),
+                    );
+                    let near =
+                        if near.is_empty() { like(name, entries().iter().map(|(n, _)| n.as_str())) } else { near };
+                    let help = format!("{}Bodies use {}.", did_you_mean(near), listed(used(), "and"));
+                    problems.push(fault.help(help).if_all_entries_are_read());
+                }
+            }
+        }
     }
 
     /// Whether a material resists shear.

@@ -6,14 +6,15 @@ use crate::defaults;
 use crate::fault::{Fault, Problems};
 use crate::quantity::QuantityKind;
 use crate::raw::{
-    RawAlongAxis, RawCloud, RawCrater, RawExtreme, RawFieldMeasure, RawFrontSpeed, RawMeasure, RawPerforation,
-    RawSelection, RawValue,
+    RawAlongAxis, RawCloud, RawCrater, RawExtreme, RawFieldMeasure, RawFragments, RawFrontSpeed, RawMeasure,
+    RawPerforation, RawSelection, RawValue,
 };
 use crate::suggest::listed;
 use crate::unit::parse_unit;
 use crate::value::{Choice, Word};
 use sphorge_engine::model::{
-    CloudExtent, CraterEdge, Dimensions, Extremum, Formulation, Measure, MeasureKind, ParticleSelection, Perforation,
+    CloudExtent, CraterEdge, Dimensions, Extremum, Formulation, FragmentQuantity, Measure, MeasureKind,
+    ParticleSelection, Perforation,
 };
 use sphorge_engine::particles::{ColumnKind, DEFORMATION_GRADIENT, FieldInfo};
 use sphorge_physics::parameter::Bound;
@@ -58,6 +59,7 @@ enum Given<'a> {
     ReversalTime(&'a RawAlongAxis),
     Crater(&'a RawCrater),
     Cloud(CloudExtent, &'a RawCloud),
+    Fragments(&'a RawFragments),
 }
 
 fn measure(raw: &RawMeasure, scene: &Scene<'_>, problems: &mut Problems) -> Option<Measure> {
@@ -74,6 +76,7 @@ fn measure(raw: &RawMeasure, scene: &Scene<'_>, problems: &mut Problems) -> Opti
         ("crater-diameter", raw.crater_diameter.as_ref().map(Given::Crater)),
         ("cloud-length", raw.cloud_length.as_ref().map(|cloud| Given::Cloud(CloudExtent::Length, cloud))),
         ("cloud-width", raw.cloud_width.as_ref().map(|cloud| Given::Cloud(CloudExtent::Width, cloud))),
+        ("fragments", raw.fragments.as_ref().map(Given::Fragments)),
     ];
     let kind = match exactly_one(options, "a measure", raw.name.span(), problems)? {
         Given::Extent(m) => {
@@ -122,6 +125,13 @@ fn measure(raw: &RawMeasure, scene: &Scene<'_>, problems: &mut Problems) -> Opti
             let perforation = perforation(m.perforation(), scene, problems);
             let leave_out = m.leave_out.as_ref().map_or(Some(0.0), |s| s.within(Bound::Between(0.0, 0.5), problems));
             MeasureKind::Cloud { perforation: perforation?, extent, leave_out: leave_out? }
+        }
+        Given::Fragments(m) => {
+            let body = scene.bodies.find(&m.body, problems);
+            let quantity = m.of.as_ref().map_or(Some(FragmentQuantity::Number), |of| of.get(problems));
+            let link = m.link.as_ref().map_or(Some(defaults::LINK), |l| l.within(Bound::Between(1.0, 10.0), problems));
+            let least = m.least.as_ref().map_or(Some(defaults::LEAST_FRAGMENT), |n| n.positive(problems));
+            MeasureKind::Fragments { body: body?, quantity: quantity?, link: link?, least: least? }
         }
     };
     Some(Measure { name: raw.name.text(problems)?.to_owned(), kind })

@@ -23,7 +23,7 @@ use super::suggest::suggest;
 use super::value::{Kind, ScalarOr, VectorOf, Word};
 use sphorge_engine::model::{BodyContact, Dimensions, Formulation, Integrator, Model, Numerics, Region, Search};
 use sphorge_engine::particles::{DEFORMATION_GRADIENT, is_kept};
-use std::{collections::HashMap, ops::Range};
+use std::{cell::Cell, collections::HashMap, ops::Range};
 
 /// Where the things of a model stand in the deck, for faults found only when particles exist.
 #[derive(Debug, Default)]
@@ -53,6 +53,8 @@ pub(crate) struct Names {
     names: Vec<String>,
     /// Place of each name among them.
     indices: HashMap<String, usize>,
+    /// Whether the deck refers to each.
+    are_found: Vec<Cell<bool>>,
 }
 
 impl Names {
@@ -87,13 +89,17 @@ impl Names {
             names.push(name);
             places.push(word.span());
         }
-        (Self { what, names, indices }, places)
+        let are_found = vec![Cell::new(false); names.len()];
+        (Self { what, names, indices, are_found }, places)
     }
 
     /// The index of a name the deck refers to.
     pub(crate) fn find(&self, word: &Word, problems: &mut Problems) -> Option<usize> {
         let name = word.text(problems)?;
         let found = self.indices.get(name).copied();
+        if let Some(index) = found {
+            self.are_found[index].set(true);
+        }
         if found.is_none() {
             let message = format!("there is no {} called `{name}`", self.what);
             let fault = Fault::new("unknown-name", message, word.span(), "not in the deck");
@@ -101,6 +107,11 @@ impl Names {
             problems.push(fault.help(help).if_all_entries_are_read());
         }
         found
+    }
+
+    /// Those that the deck has not referred to so far.
+    fn unused(&self) -> impl Iterator<Item = &str> {
+        self.names.iter().zip(&self.are_found).filter(|(_, is_found)| !is_found.get()).map(|(name, _)| name.as_str())
     }
 }
 
@@ -288,6 +299,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     if strategy.is_some_and(|strategy| strategy.formulation == Formulation::UpdatedLagrangian) {
         materials.refuse_hyperelastic(problems);
     }
+    materials.tell_unused(problems);
     if !problems.is_empty() {
         return None;
     }
@@ -307,6 +319,10 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     let mut notes = materials.notes().to_vec();
     let catalogue_notes = materials.catalogue_notes().to_vec();
     notes.extend(dropped);
+    let used_by = "no motion, measure, tracer or heat boundary";
+    notes.extend(
+        region_names.unused().map(|name| format!("{used_by} of the deck names region `{name}`, which has no effect")),
+    );
     let (materials, formulation, mut output) = (materials.into_materials(), strategy?.formulation, output?);
     if raw.output.fields.is_none() {
         output.fields.retain(|field| is_kept(field, formulation, &materials));

@@ -4,6 +4,7 @@ use super::constants::{Constants, ElasticConstants, LawConstants};
 use crate::defaults;
 use sphorge_engine::model::Material;
 use sphorge_engine::model::NO_HEATING;
+use sphorge_physics::damage::{DAMAGE_LAWS, DEFAULT_SMALLEST_STRAIN, DEFAULT_SOFTENING, Damage, Softening};
 use sphorge_physics::integrity::DEFAULT_OPENING;
 use sphorge_physics::{
     eos::{EQUATIONS_OF_STATE, EquationOfState},
@@ -123,6 +124,16 @@ pub(crate) fn build(name: &str, constants: &Constants) -> Result<Material, Incom
         return inconsistent(format!("{}: {message}", flow_entry.key));
     }
     let flow_law = flow_values.map(|v| (flow_entry.build)(&v));
+    let of_flow = (
+        reference_temperature,
+        strength.get("reference-strain-rate"),
+        flow_law.and_then(|law| law.melting_temperature()),
+    );
+    let damage = damage(constants, of_flow, &mut missing)?;
+    if damage.is_some() && flow_law.is_some_and(|law| !law.has_shear() || law.is_hyperelastic()) {
+        let message = format!("`damage` needs a flow law of metals, and `strength` is \"{}\"", flow_entry.key);
+        return inconsistent(message);
+    }
     let has_shear = flow_law.as_ref().is_none_or(|law| law.has_shear());
     let shear_modulus = if has_shear { elastic.and_then(|e| e.shear).or(constants.elastic.shear) } else { Some(0.0) };
     if shear_modulus.is_none() {
@@ -144,11 +155,61 @@ pub(crate) fn build(name: &str, constants: &Constants) -> Result<Material, Incom
                 taylor_quinney: constants.taylor_quinney.unwrap_or(defaults::TAYLOR_QUINNEY),
                 spall_pressure: constants.spall_pressure.unwrap_or(f64::INFINITY),
                 spall_opening: constants.spall_opening.unwrap_or(DEFAULT_OPENING),
+                damage,
                 reference_temperature,
             })
         }
         _ => Err(Incomplete::Missing(missing)),
     }
+}
+
+/// How a material breaks, if it does. `of_flow` are its reference temperature (K), and the reference rate (1/s) and melting temperature (K) of its
+/// flow law.
+fn damage(
+    constants: &Constants,
+    (reference_temperature, rate, melting): (f64, Option<f64>, Option<f64>),
+    missing: &mut Vec<Missing>,
+) -> Result<Option<Damage<f64>>, Incomplete> {
+    let inconsistent = |message: &str| Err(Incomplete::Inconsistent(message.to_owned()));
+    if constants.softening.count() > 1 {
+        return inconsistent("give one of `fracture-energy`, `softening-displacement` and `softening`");
+    }
+    let Some(law) = constants.damage.as_ref().filter(|_| constants.breaks) else {
+        let is_asked = constants.softening.count() > 0
+            || constants.minimum_failure_strain.is_some()
+            || constants.after_failure.is_some();
+        if is_asked && !constants.breaks {
+            return inconsistent(
+                "`fracture-energy`, `softening-displacement`, `softening`, `minimum-failure-strain` and `after-failure` need a law of `damage`",
+            );
+        }
+        return Ok(None);
+    };
+    let entry = &DAMAGE_LAWS[law.law];
+    let is_cold = law.get("D5").is_none_or(|d5| d5 == 0.0);
+    let derived = |key: &str| match key {
+        "reference-temperature" => Some(reference_temperature),
+        "reference-strain-rate" => rate,
+        // Any will do where the temperature has no effect.
+        "melting-temperature" => melting.or(is_cold.then_some(reference_temperature + 1.0)),
+        _ => None,
+    };
+    let values = values(entry, "damage", law, &derived, missing);
+    if let Some(message) = values.as_ref().and_then(|v| (entry.check)(v)) {
+        return Err(Incomplete::Inconsistent(format!("{}: {message}", entry.key)));
+    }
+    let softening = constants.softening;
+    let softening = match (softening.energy, softening.displacement) {
+        (Some(energy), _) => Softening::Energy(energy),
+        (None, Some(displacement)) => Softening::Displacement(displacement),
+        (None, None) => Softening::Share(softening.share.unwrap_or(DEFAULT_SOFTENING)),
+    };
+    Ok(values.map(|values| Damage {
+        law: (entry.build)(&values),
+        smallest_strain: constants.minimum_failure_strain.unwrap_or(DEFAULT_SMALLEST_STRAIN),
+        softening,
+        after: constants.after_failure.unwrap_or_default(),
+    }))
 }
 
 fn is_physical(elastic: &ElasticConstants) -> bool {

@@ -24,7 +24,10 @@ static ENTRIES: LazyLock<Vec<(String, Constants)>> = LazyLock::new(|| match read
 fn read(text: &str) -> Result<Vec<(String, Constants)>, DeckReport> {
     let mut problems = Problems::new("catalogue", text);
     let raw: Named<RawMaterial> = keys::read(&mut problems).unwrap_or_default();
-    let entry = |(name, material): &(Spanned<String>, _)| (name.get_ref().clone(), constants(material, &mut problems));
+    // What breaks breaks because a deck says so.
+    let entry = |(name, material): &(Spanned<String>, _)| {
+        (name.get_ref().clone(), Constants { breaks: false, ..constants(material, &mut problems) })
+    };
     let entries = raw.0.iter().map(entry).collect();
     problems.check()?;
     Ok(entries)

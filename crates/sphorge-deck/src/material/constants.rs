@@ -1,5 +1,6 @@
 //! Constants of a material in SI units, some or all of them given.
 
+use sphorge_physics::damage::AfterFailure;
 use sphorge_physics::return_mapping::ReturnRule;
 
 /// A law and those of its constants that are given.
@@ -81,6 +82,24 @@ impl ElasticConstants {
     }
 }
 
+/// Over what integrity is lost; one of them may be given.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Softening {
+    /// Plastic work of a crack, J/m².
+    pub(crate) energy: Option<f64>,
+    /// Its plastic opening, m.
+    pub(crate) displacement: Option<f64>,
+    /// Share of the failure strain.
+    pub(crate) share: Option<f64>,
+}
+
+impl Softening {
+    /// How many are given.
+    pub(crate) fn count(&self) -> usize {
+        [self.energy, self.displacement, self.share].iter().flatten().count()
+    }
+}
+
 /// Constants of a material; what is `None` is not given.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Constants {
@@ -102,6 +121,13 @@ pub(crate) struct Constants {
     pub(crate) spall_pressure: Option<f64>,
     /// m.
     pub(crate) spall_opening: Option<f64>,
+    /// Law of damage, which counts if the material breaks.
+    pub(crate) damage: Option<LawConstants>,
+    /// Whether the material breaks by it.
+    pub(crate) breaks: bool,
+    pub(crate) minimum_failure_strain: Option<f64>,
+    pub(crate) softening: Softening,
+    pub(crate) after_failure: Option<AfterFailure>,
     /// K.
     pub(crate) reference_temperature: Option<f64>,
 }
@@ -127,6 +153,11 @@ impl Constants {
             taylor_quinney: over.taylor_quinney.or(self.taylor_quinney),
             spall_pressure: over.spall_pressure.or(self.spall_pressure),
             spall_opening: over.spall_opening.or(self.spall_opening),
+            damage: law(self.damage, &over.damage),
+            breaks: self.breaks || over.breaks,
+            minimum_failure_strain: over.minimum_failure_strain.or(self.minimum_failure_strain),
+            softening: if over.softening.count() > 0 { over.softening } else { self.softening },
+            after_failure: over.after_failure.or(self.after_failure),
             reference_temperature: over.reference_temperature.or(self.reference_temperature),
         }
     }

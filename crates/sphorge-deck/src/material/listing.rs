@@ -5,6 +5,7 @@ use super::build::{Incomplete, build};
 use super::constants::{Constants, LawConstants};
 use crate::defaults::REFERENCE_TEMPERATURE;
 use sphorge_physics::{
+    damage::DAMAGE_LAWS,
     eos::EQUATIONS_OF_STATE,
     flow::FLOW_LAWS,
     parameter::{LawEntry, Parameter},
@@ -57,6 +58,8 @@ pub struct MaterialListing {
     pub equation_of_state: Option<LawListing>,
     /// Flow law.
     pub strength: Option<LawListing>,
+    /// Law of damage, by which the material breaks if a deck says so.
+    pub damage: Option<LawListing>,
     /// What a deck has to add before the material can be used, with the table it goes to; empty for a complete material.
     pub missing: Vec<String>,
 }
@@ -134,6 +137,7 @@ pub(super) fn listing(name: &str, constants: &Constants) -> MaterialListing {
         constants: all.into_iter().filter(|line| line.value.is_some()).collect(),
         equation_of_state: state.as_ref().map(|c| law(&EQUATIONS_OF_STATE[c.law], c, constants)),
         strength: constants.strength.as_ref().map(|c| law(&FLOW_LAWS[c.law], c, constants)),
+        damage: constants.damage.as_ref().map(|c| law(&DAMAGE_LAWS[c.law], c, constants)),
         missing,
     }
 }

@@ -1,6 +1,6 @@
 //! The constants of a material as written, in SI units.
 
-use super::constants::{Constants, ElasticConstants, LawConstants};
+use super::constants::{Constants, ElasticConstants, LawConstants, Softening};
 use crate::fault::{Fault, Problems};
 use crate::raw::{LawTable, RawLaw, RawMaterial};
 use crate::suggest::listed;
@@ -34,6 +34,15 @@ pub(crate) fn constants(raw: &RawMaterial, problems: &mut Problems) -> Constants
         taylor_quinney: read(&raw.taylor_quinney, Bound::Between(0.0, 1.0), problems),
         spall_pressure: read(&raw.spall_pressure, Bound::Positive, problems),
         spall_opening: read(&raw.spall_opening, Bound::Positive, problems),
+        damage: raw.damage.as_ref().and_then(|l| law(l, problems)),
+        breaks: raw.damage.is_some(),
+        minimum_failure_strain: read(&raw.minimum_failure_strain, Bound::Positive, problems),
+        softening: Softening {
+            energy: read(&raw.fracture_energy, Bound::Positive, problems),
+            displacement: read(&raw.softening_displacement, Bound::Positive, problems),
+            share: read(&raw.softening, Bound::Positive, problems),
+        },
+        after_failure: raw.after_failure.as_ref().and_then(|r| r.get(problems)),
         reference_temperature: read(&raw.reference_temperature, Bound::NonNegative, problems),
     }
 }

@@ -7,6 +7,7 @@ use crate::scalar::Scalar;
 use crate::value::{Choice, Choices, ScalarOr};
 use crate::written::Written;
 use sphorge_physics::{
+    damage::DAMAGE_LAWS,
     eos::EQUATIONS_OF_STATE,
     flow::FLOW_LAWS,
     parameter::{LawEntry, Parameter},
@@ -40,7 +41,7 @@ macro_rules! laws {
             const ENTRIES: &'static [LawEntry<Self::Law>] = $entries;
             fn keys() -> &'static TableKeys {
                 static LAWS: LazyLock<Vec<TableKeys>> =
-                    LazyLock::new(|| $entries.iter().map(|entry| constants(entry.key, entry.parameters)).collect());
+                    LazyLock::new(|| $entries.iter().map(|entry| constants($what, entry.key, entry.parameters)).collect());
                 static TABLE: LazyLock<TableKeys> = LazyLock::new(|| TableKeys {
                     name: concat!(stringify!($word), "Table"),
                     comment: Cow::Borrowed(""),
@@ -57,6 +58,8 @@ laws! {
     EquationOfStateWord, "equation of state", sphorge_physics::eos::EquationOfState<f64>, EQUATIONS_OF_STATE;
     /// Flow laws by key.
     StrengthWord, "flow law", sphorge_physics::flow::FlowLaw<f64>, FLOW_LAWS;
+    /// Laws of damage by key.
+    DamageWord, "law of damage", sphorge_physics::damage::DamageLaw<f64>, DAMAGE_LAWS;
 }
 
 fn one_law<L>(entry: &LawEntry<L>, law: &'static TableKeys) -> Key {
@@ -71,16 +74,21 @@ fn one_law<L>(entry: &LawEntry<L>, law: &'static TableKeys) -> Key {
     }
 }
 
-/// The constants of the law called `law`.
-fn constants(law: &str, parameters: &[Parameter]) -> TableKeys {
+/// The constants of the law called `law` of a kind.
+fn constants(what: &str, law: &str, parameters: &[Parameter]) -> TableKeys {
+    // Laws of damage take these from the flow law.
+    let is_shared = |key: &str| matches!(key, "melting-temperature" | "reference-strain-rate");
+    let of_flow_law = |parameter: &Parameter| what == DamageWord::WHAT && is_shared(parameter.key);
     let key = |parameter: &Parameter| Key {
         name: parameter.key,
         comment: Cow::Owned(format!("{} ({})", parameter.meaning, parameter.symbol)),
         expected: Expected::Constant(QuantityKind::from(parameter.quantity)),
         required: false,
         example: None,
-        default: parameter.default.map(|value| Cow::Owned(format!("{value:?}"))),
+        default: parameter.default.filter(|_| !of_flow_law(parameter)).map(|value| Cow::Owned(format!("{value:?}"))),
         otherwise: match (parameter.default, parameter.key, law) {
+            (Some(_), ..) if of_flow_law(parameter) => Some("that of the flow law, or 1"),
+            _ if of_flow_law(parameter) => Some("that of the flow law; without `D5` none is needed"),
             (Some(_), ..) => None,
             (_, "density" | "young-modulus" | "reference-temperature", _) => Some("the material's"),
             (_, "sound-speed", "linear") => Some("from the elastic constants"),

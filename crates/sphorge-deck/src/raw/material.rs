@@ -2,7 +2,7 @@
 
 use super::super::declare::tables;
 use super::super::{choice::*, value::*};
-use super::{EquationOfStateWord, RawLaw, StrengthWord};
+use super::{DamageWord, EquationOfStateWord, RawLaw, StrengthWord};
 
 tables! {
     /// A material. Two elastic constants define the others.
@@ -46,6 +46,21 @@ tables! {
         /// Opening of a crack at which it bears no tension any more: spalling takes half of it times `spall-pressure` in energy per area.
         /// Where the spacing is too coarse for it, twice the elastic stretch of a particle at `spall-pressure`.
         spall_opening: Option<Given<Length>>, example "20 um", default "0.1 mm";
+        /// Law of damage: the material breaks where it reaches one. The name of a law alone takes its constants from the material of the catalogue,
+        /// which does not break otherwise.
+        damage: Option<RawLaw<DamageWord>>, example { "cockcroft-latham": { "work": "800 MPa" } }, otherwise "none: it does not break";
+        /// Failure strain at least, for laws whose failure strain turns negative where the triaxiality is large.
+        minimum_failure_strain: Option<Given<Number>>, example 0.01, default 0.001;
+        /// Plastic work per area of a crack, from a damage of one until nothing is borne: the integrity falls over the strain that takes
+        /// it in a particle of this size. Where that is faster than the material unloads, over twice its elastic strain.
+        fracture_energy: Option<Given<FractureEnergy>>, example "50 kJ/m^2", otherwise "see `softening`";
+        /// The same by the plastic opening of a crack.
+        softening_displacement: Option<Given<Length>>, example "50 um", otherwise "see `softening`";
+        /// Share of the failure strain over which the integrity falls. What a crack takes then depends on the spacing: prefer
+        /// `fracture-energy` or `softening-displacement`, one of the three.
+        softening: Option<Given<Number>>, example 0.2, default 0.1;
+        /// What a particle still bears that has lost its integrity.
+        after_failure: Option<Choice<AfterFailureWord>>, example "fluid", default "no-tension";
         /// Temperature at which the internal energy is zero, and the default initial temperature of bodies.
         reference_temperature: Option<Given<Temperature>>, example "20 degC", default "293.15 K";
     }

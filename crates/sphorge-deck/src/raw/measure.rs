@@ -14,9 +14,10 @@ tables! {
         /// Diameter of the section across an axis, m: twice the largest distance of a point of a particle, as for `extent`, from the axis through
         /// the mean position. In plane strain this is the diameter of a disc for `z` and a width for `x` or `y`.
         diameter: Option<RawAlongAxis>;
-        /// Largest value of a field.
+        /// Largest value of a field at the centres of the particles. That of `position` is half a spacing inside of the face that `extent`
+        /// measures to.
         maximum: Option<RawExtreme>;
-        /// Smallest value of a field.
+        /// Smallest value of a field at the centres of the particles, as for `maximum`.
         minimum: Option<RawExtreme>;
         /// Mean of a field, weighted by mass.
         mean: Option<RawFieldMeasure>;
@@ -34,6 +35,20 @@ tables! {
         cloud_length: Option<RawCloud>;
         /// Width of the debris cloud behind a plate across the flight, m.
         cloud_width: Option<RawCloud>;
+        /// Fragments of a body: what hangs together of its particles that have some integrity. Their number, or a mass, kg.
+        fragments: Option<RawFragments>;
+    }
+
+    /// Fragments of a body.
+    RawFragments {
+        /// The body.
+        body: Word, example "plate";
+        /// What of them.
+        of: Option<Choice<FragmentWord>>, example "second", default "number";
+        /// Particles hang together up to this distance, in spacings of the body.
+        link: Option<Given<Number>>, example 1.5, default 1.5;
+        /// Particles that a fragment has at least.
+        least: Option<Count>, example 20, default 10;
     }
 
     /// An axis-aligned window in space.

@@ -103,7 +103,7 @@ tables! {
         courant: Option<Given<Number>>, example 0.3, default 0.3;
         /// Upper bound of the time step.
         max_step: Option<Given<Time>>, example "10 ns", otherwise "none";
-        /// Time step to use instead of the stable one; if it is larger than the stable one, the run stops.
+        /// Time step to use instead of the stable one. The stable one is `courant` of the limit; a fixed step may use up this margin, where accuracy and in the end stability are lost without a word, and beyond the limit itself the run stops: compare with half the step. Steps are shortened to end at frames and at the end of the run, not for rows of the history; `max-step` bounds a fixed step, too.
         fixed_step: Option<Given<Time>>, example "5 ns", otherwise "none";
         /// When a step is rejected and repeated at half its size. A fixed step is never rejected.
         step_control: RawStepControl, or empty;

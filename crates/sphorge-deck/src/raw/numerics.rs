@@ -51,7 +51,7 @@ tables! {
         /// Linear coefficient.
         alpha: Option<Given<Number>>, example 0.2, otherwise "0.1 in the total Lagrangian form, else 1.0";
         /// Quadratic coefficient.
-        beta: Option<Given<Number>>, example 4.0, default 1.0;
+        beta: Option<Given<Number>>, example 4.0, otherwise "8.0 in the total Lagrangian form, else 1.0";
         /// Balsara's switch: less viscosity in shear.
         balsara: Option<Flag>, example true, default false;
     }

@@ -97,7 +97,8 @@ tables! {
 
     /// Particles from a CSV file. The first line names the columns: `x` and, depending on the dimensions of the deck, `y` and `z`;
     /// optionally `mass` or `volume` of each particle (the default volume is the spacing to the power of the dimensions); optionally the
-    /// velocity `vx`, `vy`, `vz`, to which that of the body is added. Other columns are ignored; lines that begin with `#` are comments.
+    /// velocity `vx`, `vy`, `vz`, to which that of the body is added. Of axes that the deck does not have, all numbers must
+    /// be zero. Other columns are ignored; lines that begin with `#` are comments.
     RawTable {
         /// The file; its path is relative to the folder of the deck.
         file: Word, example "bar.csv";

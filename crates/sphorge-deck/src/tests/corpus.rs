@@ -49,7 +49,10 @@ fn told(name: &str, deck: &str) -> String {
     };
     let theme = miette::GraphicalTheme::unicode_nocolor();
     let mut text = String::new();
-    miette::GraphicalReportHandler::new_themed(theme).with_width(100).render_report(&mut text, &report).unwrap();
+    let handler = miette::GraphicalReportHandler::new_themed(theme).with_width(100);
+    let handler = handler.with_word_separator(textwrap::WordSeparator::AsciiSpace);
+    let handler = handler.with_word_splitter(textwrap::WordSplitter::NoHyphenation);
+    handler.render_report(&mut text, &report).unwrap();
     let lines: Vec<&str> = text.lines().map(str::trim_end).collect();
     lines.join("\n").trim_start_matches('\n').to_owned() + "\n"
 }

@@ -1,7 +1,7 @@
 //! What a user is told of each kind of fault: the kind, the place, the words.
 
 use super::super::*;
-use super::changed;
+use super::{FLAVOUR, changed};
 use sphorge_engine::geometry::MAX_PARTICLES;
 use sphorge_engine::model::BodyContact;
 
@@ -155,6 +155,47 @@ fn materials_that_are_unknown_or_incomplete_say_what_to_add() {
     let circle = "[material.a]\nbase = \"b\"\n[material.b]\nbase = \"a\"\n[time]";
     let report = refused(&changed("[time]", circle));
     assert!(report.problems().iter().all(|p| p.code() == "circular-base"), "{report}");
+}
+
+#[test]
+fn what_a_deck_gives_and_nothing_uses_is_told() {
+    // A slip in `--set` makes a material of its own, which changes nothing.
+    let set = |key: &str| load_text("deck.toml", FLAVOUR, &[(key.to_owned(), "900 MPa".to_owned())]);
+    let report = set("material.armco-irn.strength.johnson-cook.A").err().unwrap();
+    let problem = &report.problems()[0];
+    assert_eq!((report.problems().len(), problem.code()), (1, "unknown-name"), "{report}");
+    assert!(problem.help().unwrap().contains("did you mean `armco-iron`?"), "{problem}");
+    assert!(set("material.armco-iron.strength.johnson-cook.A").is_ok());
+    let notes = |old: &str, new: &str| load_text("deck.toml", &changed(old, new), &[]).unwrap().all_notes();
+    let before = notes("[time]", "\n[time]");
+    let told = |new: &str| -> Vec<String> {
+        notes("[time]", &format!("{new}\n[time]")).into_iter().filter(|note| !before.contains(note)).collect()
+    };
+    // One that is whole, or of the catalogue, may wait for a body.
+    let [note] = &told("[material.armco-irn]\nbase = \"armco-iron\"")[..] else { panic!() };
+    assert!(
+        note.contains("no body uses material `armco-irn`") && note.contains("did you mean `armco-iron`?"),
+        "{note}"
+    );
+    let [note] = &told("[material.4340-steel]\ndensity = 7800")[..] else { panic!() };
+    assert!(note.contains("`4340-steel`") && note.contains("bodies use `armco-iron`"), "{note}");
+    // One that another is based on is used by it.
+    let based = changed("\"armco-iron\"", "\"mine\"");
+    let deck =
+        based.replacen("[time]", "[material.mine]\nbase = \"half\"\n[material.half]\nbase = \"armco-iron\"\n[time]", 1);
+    assert!(load_text("deck.toml", &deck, &[]).unwrap().all_notes().iter().all(|note| !note.contains("no body uses")));
+    // Where a body names none that there is, that is the slip.
+    let deck = changed("\"armco-iron\"", "\"min\"").replacen("[time]", "[material.mine]\ndensity = 1\n[time]", 1);
+    assert_eq!(fault(&deck).code(), "unknown-material");
+    let region = "[[region]]\nname = \"rim\"\nbody = \"bar\"\n";
+    let [note] = &told(region)[..] else { panic!() };
+    assert!(note.contains("names region `rim`"), "{note}");
+    assert_eq!(
+        told(&format!(
+            "{region}[[measure]]\nname = \"hot\"\nmaximum = {{ region = \"rim\", field = \"temperature\" }}\n"
+        )),
+        [""; 0]
+    );
 }
 
 #[test]
@@ -400,7 +441,10 @@ fn a_report_shows_line_label_and_help() {
     let report = refused(&changed("\"-200 m/s\"", "\"-200 mm\""));
     let theme = miette::GraphicalTheme::unicode_nocolor();
     let mut text = String::new();
-    miette::GraphicalReportHandler::new_themed(theme).with_width(100).render_report(&mut text, &report).unwrap();
+    let handler = miette::GraphicalReportHandler::new_themed(theme).with_width(100);
+    let handler = handler.with_word_separator(textwrap::WordSeparator::AsciiSpace);
+    let handler = handler.with_word_splitter(textwrap::WordSplitter::NoHyphenation);
+    handler.render_report(&mut text, &report).unwrap();
     for part in [
         "expected a velocity (m/s)",
         "deck.toml:17:28",

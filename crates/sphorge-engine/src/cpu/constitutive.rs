@@ -10,7 +10,9 @@ use crate::model::{Integrator, Material, Model, TemperatureSource};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
+use sphorge_physics::damage::{Before, KEPT};
 use sphorge_physics::eos::ColdEnergy;
+use sphorge_physics::flow::FlowStep;
 use sphorge_physics::integrity::smeared_width;
 use sphorge_physics::pair::{PairForm, momentum_weight};
 use sphorge_physics::return_mapping::{Returned, return_mapping_near};
@@ -43,16 +45,18 @@ struct StressStep<'a> {
     instructions: Instructions,
     /// Whether plastic strain and heat are updated to the end of the step; otherwise only the stress is.
     commit: bool,
-    /// For each material the indices of the history variables of its law among those of a particle.
+    /// For each material the indices of what it keeps among the history variables of a particle.
     slots: &'a [Vec<usize>],
     /// History variables of a particle.
     history_width: usize,
     /// By material.
     cold_energies: &'a [ColdEnergy<f64>],
     /// Whether some material loses its integrity.
-    spalls: bool,
+    breaks: bool,
     /// Support of the kernel over the smoothing length.
     support: f64,
+    /// End of the step, s.
+    end: f64,
 }
 
 impl<'a> FlowColumns<'a> {
@@ -66,12 +70,12 @@ impl<'a> FlowColumns<'a> {
     fn take_step(&mut self, step: &StressStep<'_>, columns: &mut StressColumns, particles: &ElasticInputs<'_>) {
         self.know_yield_stresses(step, columns, particles.material);
         self.set_shear_moduli(step.materials, columns, particles.material);
-        if step.spalls {
+        if step.breaks {
             self.weaken(step, columns, particles.material);
         }
         let elastic = columns.take_elastic_step(step.instructions, step.materials, particles);
         particles.set_hyperelastic(step.materials, columns);
-        if step.spalls {
+        if step.breaks {
             self.open(step, columns, particles);
         }
         // An elastic step changes nothing here, and adding zeros would read and write as much memory again.
@@ -90,16 +94,16 @@ impl<'a> FlowColumns<'a> {
                 self.history[first + slot] = *value;
             }
         }
-        if step.spalls {
+        if step.breaks {
             self.sever(step, columns, particles.material);
         }
     }
 
-    /// The place of the integrity of particle `k` in the history of the block, if its material spalls.
+    /// The place of the integrity of particle `k` in the history of the block, if its material breaks.
     #[inline(always)]
     fn place_of_integrity(step: &StressStep<'_>, k: usize, of: &[u32]) -> Option<usize> {
         let material = of[k] as usize;
-        let slot = step.materials[material].spalls().then(|| step.slots[material].last()).flatten()?;
+        let slot = step.materials[material].breaks().then(|| step.slots[material].last()).flatten()?;
         Some(k * step.history_width + slot)
     }
 
@@ -113,27 +117,58 @@ impl<'a> FlowColumns<'a> {
         }
     }
 
-    /// Takes from the pressures what particles do not bear, and finds the integrities at the end of the step.
+    /// Places of the variables of damage of particle `k` in the history of the block, in their order.
+    #[inline(always)]
+    fn places_of_damage(step: &StressStep<'_>, k: usize, material: usize) -> Option<[usize; KEPT.len()]> {
+        let slots = step.slots[material].get(step.materials[material].flow_law.history().len()..)?;
+        Some(slots.first_chunk::<{ KEPT.len() }>()?.map(|slot| k * step.history_width + slot))
+    }
+
+    /// Takes from the pressures what particles do not bear for their spall pressure, and finds the integrities that this leaves. What damage takes
+    /// comes at the end of the step ([`Self::sever`]): until then such material is whole.
     #[inline(always)]
     fn open(&self, step: &StressStep<'_>, columns: &mut StressColumns, particles: &ElasticInputs<'_>) {
         for (k, material) in particles.material.iter().enumerate() {
             let (before, pressure) = (columns.integrity_before[k], columns.pressure[k]);
             let material = &step.materials[*material as usize];
             (columns.integrity[k], columns.share[k]) = (before, 1.0);
-            if pressure < -before * material.spall_pressure {
+            let is_damaged = material.damage.is_some();
+            if pressure < -if is_damaged { 1.0 } else { before } * material.spall_pressure {
                 let size = smeared_width(step.support, particles.smoothing_length[k]);
                 let borne = material.borne(columns.density[k], pressure, before, size);
                 (columns.pressure[k], columns.integrity[k]) = (borne.pressure, borne.integrity);
                 columns.share[k] = borne.share;
+                if is_damaged {
+                    columns.pressure[k] = -material.spall_pressure;
+                }
             }
         }
     }
 
-    /// Takes from the deviators what has been lost of the integrity in the step.
+    /// Takes from the deviators what has been lost of the integrity in the step, and from the pressures what damaged material does not bear.
     #[inline(always)]
     fn sever(&mut self, step: &StressStep<'_>, columns: &mut StressColumns, of: &[u32]) {
         for k in 0..of.len() {
             let (before, after) = (columns.integrity_before[k], columns.integrity[k]);
+            let material = of[k] as usize;
+            let damage = step.materials[material].damage.as_ref();
+            if let (true, true, Some([_, failed_at, energy])) =
+                (after < before, step.commit && damage.is_some(), Self::places_of_damage(step, k, material))
+            {
+                let state = (columns.deviator_of(k), columns.shear_modulus[k], columns.density[k], columns.pressure[k]);
+                let (whole, sound_speed) = (1.0 / before, columns.sound_speed[k]);
+                let elastic = step.materials[material].elastic_energy_of_breaking(
+                    state.0 * whole,
+                    state.1 * whole,
+                    state.2,
+                    state.3,
+                    sound_speed,
+                );
+                self.history[energy] += (before - after) * elastic;
+                if after == 0.0 {
+                    self.history[failed_at] = step.end;
+                }
+            }
             if after < before {
                 columns.set_deviator(k, columns.deviator_of(k) * (after / before));
                 if let (true, Some(place)) = (step.commit, Self::place_of_integrity(step, k, of)) {
@@ -141,6 +176,9 @@ impl<'a> FlowColumns<'a> {
                     // That of an elastic law is infinite.
                     self.yield_stress[k] = if after > 0.0 { self.yield_stress[k] * (after / before) } else { 0.0 };
                 }
+            }
+            if let Some(damage) = damage {
+                [columns.pressure[k], columns.share[k]] = damage.after.bears(columns.pressure[k], after);
             }
         }
     }
@@ -153,9 +191,9 @@ impl<'a> FlowColumns<'a> {
         for (known, (increment, yield_stress)) in columns.known_yield_stress.iter_mut().zip(last) {
             *known = if step.only_flow_heats && *increment == 0.0 { *yield_stress } else { 0.0 };
         }
-        if step.materials.iter().any(|material| material.flow_law.changes_without_flow()) {
+        if step.materials.iter().any(Material::changes_without_flow) {
             for (known, material) in columns.known_yield_stress.iter_mut().zip(of) {
-                if step.materials[*material as usize].flow_law.changes_without_flow() {
+                if step.materials[*material as usize].changes_without_flow() {
                     *known = 0.0;
                 }
             }
@@ -195,7 +233,7 @@ impl<'a> FlowColumns<'a> {
     ) {
         let material = &step.materials[particles.material[k] as usize];
         let cold = &step.cold_energies[particles.material[k] as usize];
-        let (density, integrity) = (columns.density[k], if step.spalls { columns.integrity_before[k] } else { 1.0 });
+        let (density, integrity) = (columns.density[k], if step.breaks { columns.integrity_before[k] } else { 1.0 });
         if integrity == 0.0 {
             return self.heat_severed(k, step, columns, (material, cold));
         }
@@ -214,7 +252,9 @@ impl<'a> FlowColumns<'a> {
         );
         columns.set_deviator(k, update.deviator * integrity);
         if step.commit {
-            material.flow_law.evolve(&update.step(state, particles.dt), history);
+            let evolved = update.step(state, particles.dt);
+            material.flow_law.evolve(&evolved, history);
+            self.damage(k, step, columns, particles, (&evolved, shear_modulus, update.plastic_work));
             self.commit(
                 k,
                 &update,
@@ -223,9 +263,32 @@ impl<'a> FlowColumns<'a> {
                 step.temperature,
                 density,
                 columns.energy[k] - columns.numerical_energy[k],
-                (integrity, if step.spalls { columns.integrity[k] } else { 1.0 }),
+                (integrity, if step.breaks { columns.integrity[k] } else { 1.0 }),
             );
         }
+    }
+
+    /// Lets the damage of particle `k` grow in a step of whole material, with its shear modulus (Pa) and plastic work per volume (J/m³), and takes
+    /// from its integrity.
+    #[inline(always)]
+    fn damage(
+        &mut self,
+        k: usize,
+        step: &StressStep<'_>,
+        columns: &mut StressColumns,
+        particles: &ElasticInputs<'_>,
+        (evolved, shear_modulus, plastic_work): (&FlowStep<f64>, f64, f64),
+    ) {
+        let index = particles.material[k] as usize;
+        let material = &step.materials[index];
+        let Some(damage) = &material.damage else { return };
+        let Some([place, _, energy]) = Self::places_of_damage(step, k, index) else { return };
+        let before = Before { damage: self.history[place], integrity: columns.integrity_before[k] };
+        let size = smeared_width(step.support, particles.smoothing_length[k]);
+        let after = damage.after_step(evolved, material.moduli(shear_modulus), size, before);
+        self.history[place] = after.damage;
+        self.history[energy] += after.share * before.integrity * plastic_work / columns.density[k];
+        columns.integrity[k] = columns.integrity[k].min(after.integrity);
     }
 
     /// The step of a particle that bears no shear any more.
@@ -244,7 +307,7 @@ impl<'a> FlowColumns<'a> {
         (self.plastic_strain_increment[k], self.yield_stress[k]) = (0.0, 0.0);
         if step.temperature == TemperatureSource::Energy {
             let energy = columns.energy[k] - columns.numerical_energy[k];
-            let cold = cold.at(columns.density[k], 0.0);
+            let cold = material.cold_energy(cold, columns.density[k], 0.0);
             self.temperature[k] = material.temperature_of_energy(energy, cold, 0.0, self.plastic_work[k]);
         }
     }
@@ -274,7 +337,7 @@ impl<'a> FlowColumns<'a> {
             }
             TemperatureSource::Energy => {
                 let elastic = after * material.elastic_energy(update.deviator, shear_modulus, density);
-                let cold = cold.at(density, after);
+                let cold = material.cold_energy(cold, density, after);
                 self.temperature[k] = material.temperature_of_energy(energy, cold, elastic, self.plastic_work[k]);
             }
         }
@@ -313,7 +376,7 @@ impl<T: PairScalar> CpuEngine<T> {
             pair_form: numerics.pair_form,
             bulk_viscosity: formulation.bulk_viscosity(model),
             artificial_stress: numerics.artificial_stress.is_some(),
-            spalls: model.materials.iter().any(Material::spalls),
+            breaks: model.materials.iter().any(Material::breaks),
             dimension: super::dimension(model),
         };
 
@@ -363,8 +426,9 @@ impl<T: PairScalar> CpuEngine<T> {
             slots,
             history_width,
             cold_energies: &self.cold_energies,
-            spalls: form.spalls,
+            breaks: form.breaks,
             support: numerics.kernel.support(),
+            end: self.step.time + step_size,
         };
         let (material, density, energy, energy_rate) = (&*material, &*density, &*energy, &*energy_rate);
         let (velocity_gradient, smoothing_length, mass) = (&*velocity_gradient, &*smoothing_length, &*mass);
@@ -455,7 +519,7 @@ impl<T: PairScalar> CpuEngine<T> {
             run(step.instructions, PackStress { columns, form, records, extras });
             if let (Some(parameters), (Some(pressure), work)) = (form.bulk_viscosity, viscous) {
                 let masses = &mass[particles.clone()];
-                *work += step_size * columns.viscous_power(parameters, form.spalls, masses, pressure);
+                *work += step_size * columns.viscous_power(parameters, form.breaks, masses, pressure);
             }
 
             if commit {
@@ -548,8 +612,9 @@ impl<T: PairScalar> CpuEngine<T> {
             slots,
             history_width,
             cold_energies: &self.cold_energies,
-            spalls: model.materials.iter().any(Material::spalls),
+            breaks: model.materials.iter().any(Material::breaks),
             support: model.numerics.kernel.support(),
+            end: self.step.time + dt,
         };
         let (material, energy, velocity_gradient) = (&*material, &*energy, &*velocity_gradient);
         let (base_density, smoothing_length) = (&*base_density, &*smoothing_length);

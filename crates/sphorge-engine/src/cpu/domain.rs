@@ -317,7 +317,6 @@ fn part<T: PairScalar>(
 ) -> Result<CpuEngine<T>, RunFailure> {
     let smoothing_lengths = range_of(&particles.smoothing_length);
     particles.keep(domain.own());
-    particles.complete();
     let halo = Box::new(Remote::new(domain.ranks.clone(), domain.starts.clone(), Images::new(&model)));
     CpuEngine::new(model, particles, halo, Some(domain), smoothing_lengths)
 }

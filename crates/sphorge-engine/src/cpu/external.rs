@@ -1,9 +1,10 @@
-//! Walls and gravity.
+//! Walls, gravity, and loads from a program.
 
 use super::CpuEngine;
 use super::facets_on_walls::{Springs, limit_of_facets};
 use super::walls::{AtWall, book, push, stored};
 use crate::RunFailure;
+use crate::drive::{Drive, Driven, masses_of_bodies};
 use crate::lanes::PairScalar;
 use crate::neighbors::BLOCK;
 use crate::report::WallLedger;
@@ -17,7 +18,34 @@ type Chunks<'a> = ((&'a mut [Vector<f64>], &'a mut [f64]), &'a mut [WallLedger],
 impl<T: PairScalar> CpuEngine<T> {
     /// Whether only pair forces act on the particles: the columns of external forces are zero from the start.
     fn is_alone(&self) -> bool {
-        self.model.walls.is_empty() && self.model.gravity == [0.0; 3]
+        self.model.walls.is_empty() && self.model.gravity == [0.0; 3] && self.driven.is_none()
+    }
+
+    /// Takes loads and velocities for the steps to come. The accelerations of the last forces are those of the next kick: loads act from its beginning.
+    pub(super) fn take_drive(&mut self, drive: &Drive) {
+        // Summed once: a program gives loads in every step.
+        let known = self.driven.as_mut().map(|former| std::mem::take(&mut former.masses));
+        let known = known.filter(|masses| !masses.is_empty());
+        let masses = known.unwrap_or_else(|| masses_of_bodies(&self.model, &self.particles));
+        // Of a state that was loaded they are not known yet.
+        self.motions.set_time(&self.model, self.driven.as_ref(), self.step.time);
+        let before = (0..self.model.motions.len()).map(|k| self.motions.of(k as u32 + 1)).collect();
+        let driven = Driven::new(drive, masses, before);
+        let former = |body| self.driven.as_ref().map_or([0.0; 3], |former| former.of_body(body));
+        let change = |body| {
+            let (now, former) = (driven.of_body(body), former(body));
+            [0, 1, 2].map(|a| now[a] - former[a])
+        };
+        let changes: Vec<_> = (0..self.model.bodies.len()).map(change).collect();
+        let p = &mut self.particles;
+        for i in 0..p.len() {
+            let change = changes[p.body[i] as usize];
+            for a in 0..3 {
+                p.acceleration[i][a] += change[a];
+                p.external_acceleration[i][a] += change[a];
+            }
+        }
+        self.driven = Some(driven);
     }
 
     /// Computes the effect of walls and gravity. A wall acts on a particle of the total Lagrangian form at its face or
@@ -41,6 +69,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let (model, p, dt) = (&*self.model, &self.particles, self.step.dt);
         let (columns, states) = (AtWall::new(p), &self.walls.states);
         let at_facets = self.facets_on_walls.as_ref();
+        let loads = self.driven.as_ref();
         let update = |b: usize, (sums, powers, at_faces): Chunks<'_>, face_stress: &mut [Tensor<f64>]| {
             powers.fill(WallLedger::default());
             *at_faces.0 = 0.0;
@@ -48,7 +77,9 @@ impl<T: PairScalar> CpuEngine<T> {
             let (external, external_power) = sums;
             for k in 0..external.len() {
                 let i = b * BLOCK + k;
-                let mut sum = FacePushes::of_gravity(model.gravity);
+                let load = loads.map(|loads| loads.of_body(p.body[i] as usize));
+                let everywhere = load.map_or(model.gravity, |load| [0, 1, 2].map(|a| model.gravity[a] + load[a]));
+                let mut sum = FacePushes::of_gravity(everywhere);
                 let mut stability = (0.0, 0.0);
                 for (number, ((wall, state), powers)) in model.walls.iter().zip(states).zip(&mut *powers).enumerate() {
                     if let Some(push) = at_facets.and_then(|facets| facets.on(model, states, number, p, i)) {

@@ -166,7 +166,7 @@ impl FacetsOnWalls {
                 // That of a deck is per closure of a spacing, not of the half cell.
                 let strength = FacetStrength { stiffness: 0.5 * stiffness, damping, friction };
                 let law = FacetPairLaw::against_rigid(&of, strength);
-                let sliding_damping = law.critical_sliding_damping(&of) / missing;
+                let sliding_damping = law.sliding_damping(&of) / missing;
                 let law = FacetPairLaw {
                     stiffness: law.stiffness / missing,
                     damping: law.damping / missing,

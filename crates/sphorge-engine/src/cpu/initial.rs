@@ -4,26 +4,33 @@ use super::conduction::hold;
 use super::integrate::Motions;
 use crate::model::{ArtificialStress, Body, BodyContact, Integrator, Material, Model, Search, Wall};
 use crate::particles::{History, Owner, Particles};
+use rayon::prelude::*;
 use sphorge_physics::artificial_stress;
+
+/// Particles one thread takes at least.
+const AT_ONCE: usize = 1024;
 
 /// Completes the state of particles that have position, velocity, density and temperature: energy, prescribed
 /// temperatures, pressure and sound speed, and history variables of flow laws.
 pub fn complete_initial_state(model: &Model, particles: &mut Particles) {
     // That of the temperature, whatever the source of temperatures to come: pressure depends on it.
     let energies: Vec<_> = model.materials.iter().map(Material::cold_energies::<f64>).collect();
-    for i in 0..particles.len() {
-        let material = particles.material[i] as usize;
+    let Particles { material, temperature, density, energy, .. } = particles;
+    energy.par_iter_mut().with_min_len(AT_ONCE).enumerate().for_each(|(i, energy)| {
+        let material = material[i] as usize;
         // A temperature that is none is the fault to be named, not the energy that would follow from it.
-        if model.materials[material].heats() && particles.temperature[i].is_finite() {
-            particles.energy[i] += energies[material].of_temperature(particles.density[i], particles.temperature[i]);
+        if model.materials[material].heats() && temperature[i].is_finite() {
+            *energy += energies[material].of_temperature(density[i], temperature[i]);
         }
-    }
+    });
     hold(model, particles);
-    for i in 0..particles.len() {
-        let law = &model.materials[particles.material[i] as usize].equation_of_state;
-        let state = law.pressure(particles.density[i], particles.energy[i]);
-        (particles.pressure[i], particles.sound_speed[i]) = (state.pressure, state.sound_speed);
-    }
+    let Particles { material, density, energy, pressure, sound_speed, .. } = particles;
+    let states = pressure.par_iter_mut().zip(sound_speed).with_min_len(AT_ONCE).enumerate();
+    states.for_each(|(i, (pressure, sound_speed))| {
+        let law = &model.materials[material[i] as usize].equation_of_state;
+        let state = law.pressure(density[i], energy[i]);
+        (*pressure, *sound_speed) = (state.pressure, state.sound_speed);
+    });
     particles.history = History::new(model, particles.len());
 }
 

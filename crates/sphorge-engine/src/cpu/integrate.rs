@@ -6,6 +6,7 @@
 use super::CpuEngine;
 use super::domain::Domain;
 use crate::RunFailure;
+use crate::drive::Driven;
 use crate::lanes::PairScalar;
 use crate::model::Model;
 use crate::neighbors::BLOCK;
@@ -31,9 +32,13 @@ impl Motions {
         particles.regions.iter().map(|regions| model.motion_of(*regions).map_or(0, |k| k as u32 + 1)).collect()
     }
 
-    /// Evaluates the time tables.
-    pub(super) fn set_time(&mut self, model: &Model, time: f64) {
-        for (velocity, motion) in self.velocity.iter_mut().zip(&model.motions) {
+    /// Evaluates the time tables, unless a program gives the velocities.
+    pub(super) fn set_time(&mut self, model: &Model, driven: Option<&Driven>, time: f64) {
+        for (k, (velocity, motion)) in self.velocity.iter_mut().zip(&model.motions).enumerate() {
+            if let Some(given) = driven.and_then(|driven| driven.velocities[k]) {
+                *velocity = given;
+                continue;
+            }
             for (value, axis) in velocity.iter_mut().zip(&motion.axes) {
                 *value = axis.velocity(time);
             }
@@ -62,6 +67,8 @@ struct Moved {
     /// Work of all forces that are not pair forces, J, and their impulse, N s.
     work: f64,
     impulse: Vector<f64>,
+    /// Part of that work by loads of a program, J.
+    load_work: f64,
     /// Correction of the internal energy that closes the balance, J.
     booked: f64,
     /// Square of the largest displacement of a particle, m².
@@ -69,14 +76,14 @@ struct Moved {
 }
 
 impl Fixed for Moved {
-    const SIZE: usize = <[f64; 6]>::SIZE;
+    const SIZE: usize = <[f64; 7]>::SIZE;
     fn write(&self, out: &mut Vec<u8>) {
         let [x, y, z] = self.impulse;
-        [self.work, x, y, z, self.booked, self.farthest].write(out);
+        [self.work, x, y, z, self.load_work, self.booked, self.farthest].write(out);
     }
     fn read(bytes: &[u8]) -> Option<Self> {
-        let [work, x, y, z, booked, farthest] = Fixed::read(bytes)?;
-        Some(Self { work, impulse: [x, y, z], booked, farthest })
+        let [work, x, y, z, load_work, booked, farthest] = Fixed::read(bytes)?;
+        Some(Self { work, impulse: [x, y, z], load_work, booked, farthest })
     }
 }
 
@@ -88,6 +95,8 @@ pub(super) struct ExternalSums {
     pub(super) work: f64,
     /// Impulse since the start, N s.
     pub(super) impulse: Vector<f64>,
+    /// Part of the work by loads of a program since the start, J.
+    pub(super) load_work: f64,
     /// Correction of the internal energy since the start, J.
     pub(super) booked: f64,
 }
@@ -108,6 +117,7 @@ impl ExternalSums {
         let mut farthest = 0.0_f64;
         for moved in all.as_ref().unwrap_or(&self.partial) {
             self.work += moved.work;
+            self.load_work += moved.load_work;
             self.booked += moved.booked;
             for a in 0..3 {
                 self.impulse[a] += moved.impulse[a];
@@ -176,8 +186,8 @@ impl<T: PairScalar> CpuEngine<T> {
         let dt = self.step.dt;
         let half = 0.5 * dt;
         self.book_rates(half)?;
-        self.motions.set_time(&self.model, self.step.time + half);
-        self.motions_at_end.set_time(&self.model, self.step.time + dt);
+        self.motions.set_time(&self.model, self.driven.as_ref(), self.step.time + half);
+        self.motions_at_end.set_time(&self.model, self.driven.as_ref(), self.step.time + dt);
         let Particles {
             position,
             velocity,
@@ -189,10 +199,12 @@ impl<T: PairScalar> CpuEngine<T> {
             external_acceleration,
             evaluated_velocity,
             motion,
+            body,
             ..
         } = &mut self.particles;
-        let (acceleration, energy_rate, mass) = (&*acceleration, &*energy_rate, &*mass);
+        let (acceleration, energy_rate, mass, body) = (&*acceleration, &*energy_rate, &*mass, &*body);
         let (xsph, external_acceleration, motion) = (&*xsph, &*external_acceleration, &*motion);
+        let driven = self.driven.as_ref();
         let (motions, at_end) = (&self.motions, &self.motions_at_end);
         (
             position.par_chunks_mut(BLOCK),
@@ -209,6 +221,10 @@ impl<T: PairScalar> CpuEngine<T> {
                     let i = b * BLOCK + k;
                     let (a, external) = (acceleration[i], external_acceleration[i]);
                     let kicked = kick(v[k], a, external, evaluated[k], mass[i], half, motions, motion[i]);
+                    if let Some(driven) = driven {
+                        let load = driven.of_body(body[i] as usize);
+                        partial.load_work += work_of_load(load, mass[i], v[k], kicked.velocity, half);
+                    }
                     v[k] = kicked.velocity;
                     e[k] += half * energy_rate[i] + kicked.energy;
                     add(partial, &kicked);
@@ -227,7 +243,7 @@ impl<T: PairScalar> CpuEngine<T> {
     pub(super) fn leapfrog_finish(&mut self) -> Result<(), RunFailure> {
         let half = 0.5 * self.step.dt;
         self.book_rates(half)?;
-        self.motions.set_time(&self.model, self.step.time + self.step.dt);
+        self.motions.set_time(&self.model, self.driven.as_ref(), self.step.time + self.step.dt);
         let Particles {
             velocity,
             energy,
@@ -237,12 +253,13 @@ impl<T: PairScalar> CpuEngine<T> {
             external_acceleration,
             evaluated_velocity,
             motion,
+            body,
             ..
         } = &mut self.particles;
-        let (acceleration, energy_rate, mass) = (&*acceleration, &*energy_rate, &*mass);
+        let (acceleration, energy_rate, mass, body) = (&*acceleration, &*energy_rate, &*mass, &*body);
         let (external_acceleration, evaluated_velocity, motion) =
             (&*external_acceleration, &*evaluated_velocity, &*motion);
-        let motions = &self.motions;
+        let (motions, driven) = (&self.motions, self.driven.as_ref());
         (velocity.par_chunks_mut(BLOCK), energy.par_chunks_mut(BLOCK), self.external.partial.par_iter_mut())
             .into_par_iter()
             .enumerate()
@@ -252,6 +269,10 @@ impl<T: PairScalar> CpuEngine<T> {
                     let i = b * BLOCK + k;
                     let (a, external, evaluated) = (acceleration[i], external_acceleration[i], evaluated_velocity[i]);
                     let kicked = kick(v[k], a, external, evaluated, mass[i], half, motions, motion[i]);
+                    if let Some(driven) = driven {
+                        let load = driven.of_body(body[i] as usize);
+                        partial.load_work += work_of_load(load, mass[i], v[k], kicked.velocity, half);
+                    }
                     v[k] = kicked.velocity;
                     e[k] += half * energy_rate[i] + kicked.energy;
                     add(partial, &kicked);
@@ -266,7 +287,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let half = 0.5 * self.step.dt;
         // This mid-step state is temporary; displacements are checked every time.
         self.lists.displacement.lose_track();
-        self.motions.set_time(&self.model, self.step.time + half);
+        self.motions.set_time(&self.model, self.driven.as_ref(), self.step.time + half);
         let p = &mut self.particles;
         p.base_position.copy_from_slice(&p.position);
         p.base_velocity.copy_from_slice(&p.velocity);
@@ -294,7 +315,7 @@ impl<T: PairScalar> CpuEngine<T> {
     pub(super) fn correct(&mut self) -> Result<(), RunFailure> {
         let dt = self.step.dt;
         self.book_rates(dt)?;
-        self.motions.set_time(&self.model, self.step.time + dt);
+        self.motions.set_time(&self.model, self.driven.as_ref(), self.step.time + dt);
         let Particles {
             position,
             velocity,
@@ -308,9 +329,11 @@ impl<T: PairScalar> CpuEngine<T> {
             motion,
             base_position,
             base_velocity,
+            body,
             ..
         } = &mut self.particles;
-        let (acceleration, energy_rate, mass) = (&*acceleration, &*energy_rate, &*mass);
+        let (acceleration, energy_rate, mass, body) = (&*acceleration, &*energy_rate, &*mass, &*body);
+        let driven = self.driven.as_ref();
         let (xsph, external_acceleration, evaluated_velocity, motion) =
             (&*xsph, &*external_acceleration, &*evaluated_velocity, &*motion);
         let (motions, base_position, base_velocity) = (&self.motions, &*base_position, &*base_velocity);
@@ -329,6 +352,10 @@ impl<T: PairScalar> CpuEngine<T> {
                     let (a, external, evaluated) = (acceleration[i], external_acceleration[i], evaluated_velocity[i]);
                     let before = base_velocity[i];
                     let kicked = kick(before, a, external, evaluated, mass[i], dt, motions, motion[i]);
+                    if let Some(driven) = driven {
+                        let load = driven.of_body(body[i] as usize);
+                        partial.load_work += work_of_load(load, mass[i], before, kicked.velocity, dt);
+                    }
                     v[k] = kicked.velocity;
                     let mean = [0, 1, 2].map(|a| 0.5 * (before[a] + v[k][a]));
                     x[k] = base_position[i];
@@ -344,6 +371,13 @@ impl<T: PairScalar> CpuEngine<T> {
         self.commit_stress();
         Ok(())
     }
+}
+
+/// Work of the load of a program on a particle in a kick over a time, s, J: that of its share of the force alone, at the mean velocity. The work
+/// of all forces, which closes the balance, is not made of it.
+#[inline(always)]
+fn work_of_load(load: Vector<f64>, mass: f64, before: Vector<f64>, after: Vector<f64>, dt: f64) -> f64 {
+    mass * dt * (0..3).map(|k| load[k] * (0.5 * (before[k] + after[k]))).sum::<f64>()
 }
 
 #[inline(always)]

@@ -33,6 +33,7 @@ impl<T: PairScalar> CpuEngine<T> {
             total,
             external_work: self.external.work,
             external_impulse: self.external.impulse,
+            load_work: self.external.load_work,
             walls: self.walls.done.clone(),
             integration_energy: self.external.booked,
             mls_energy: self.step.mls_energy,
@@ -40,6 +41,7 @@ impl<T: PairScalar> CpuEngine<T> {
             hourglass_stored_energy: self.energy_of_springs()?,
             viscous_energy: self.numerical_work.viscous.total(self.domain.as_ref())?,
             artificial_stress_energy: self.numerical_work.artificial_stress.total(self.domain.as_ref())?,
+            fracture_energy: self.fracture_energy()?,
             heat: self.heat.as_ref().map(|h| h.ledger()).unwrap_or_default(),
             contacts: self.contacts.as_ref().map(|c| c.ledger()).unwrap_or_default(),
             wall_forces,
@@ -66,6 +68,19 @@ impl<T: PairScalar> CpuEngine<T> {
         }
     }
 
+    /// What breaking has dissipated, J.
+    fn fracture_energy(&self) -> Result<f64, RunFailure> {
+        let p = &self.particles;
+        let add = |sum: &mut [f64]| p.history.add_fracture_energy(&p.mass, sum);
+        let mut sum = [0.0];
+        match &self.domain {
+            _ if !p.history.keeps_fracture_energy() => {}
+            None => add(&mut sum),
+            Some(domain) => domain.ranks.sum_in_turn(&mut sum, add)?,
+        }
+        Ok(sum[0])
+    }
+
     /// Adds the reaction of every prescribed motion on its particles, N: the force that is missing from the
     /// accelerations of the last step.
     fn add_motion_forces(&self, forces: &mut [[f64; 3]]) {
@@ -83,7 +98,10 @@ impl<T: PairScalar> CpuEngine<T> {
 
     /// Acceleration a prescribed motion imposes now, m/s².
     fn prescribed_acceleration(&self, motion: usize) -> [Option<f64>; 3] {
-        [0, 1, 2].map(|a| self.model.motions[motion].axes[a].acceleration(self.step.time, self.step.dt))
+        let of_a_program = self.driven.as_ref().and_then(|driven| driven.acceleration(motion, self.step.dt));
+        let of_the_deck =
+            || [0, 1, 2].map(|a| self.model.motions[motion].axes[a].acceleration(self.step.time, self.step.dt));
+        of_a_program.unwrap_or_else(of_the_deck)
     }
 }
 

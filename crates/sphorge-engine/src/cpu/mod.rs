@@ -48,6 +48,7 @@ pub use guard::{check as check_values, largest_change};
 pub use initial::complete_initial_state;
 pub use search::{AuditedRow, ContactCandidates, SearchedMaterial, audit_of};
 
+use crate::drive::{Drive, Driven};
 use crate::engine::{Engine, EngineKind, Part, PartKind, SearchReport, TimeStepLimit, Unsupported};
 use crate::halo::{Arrival, FieldSet, Halo, Images};
 use crate::lanes::{Instructions, PairScalar};
@@ -89,6 +90,10 @@ impl EngineKind for Cpu {
 
     fn supports(&self, _: &Model) -> Result<(), Unsupported> {
         Ok(())
+    }
+
+    fn completes_particles(&self) -> bool {
+        true
     }
 
     fn start(&self, model: Arc<Model>, particles: Particles) -> Result<Box<dyn Engine>, RunFailure> {
@@ -141,6 +146,8 @@ struct CpuEngine<T: PairScalar> {
     motions: Motions,
     /// Prescribed velocities at the end of the step, while those of its middle are in use.
     motions_at_end: Motions,
+    /// Loads and velocities that a program has given.
+    driven: Option<Driven>,
     external: ExternalSums,
     numerical_work: NumericalWork,
     contacts: Option<BodyContacts>,
@@ -213,6 +220,12 @@ impl<T: PairScalar> CpuEngine<T> {
         domain: Option<Domain>,
         smoothing_lengths: (f64, f64),
     ) -> Result<Self, RunFailure> {
+        let mut lists = Lists::new(smoothing_lengths);
+        if domain.is_none() {
+            // Before they have all their columns: less is moved.
+            lists.sort(&model, &mut particles);
+        }
+        particles.complete();
         initial::complete_initial_state(&model, &mut particles);
         let count = particles.len();
         let numerics = &model.numerics;
@@ -235,11 +248,12 @@ impl<T: PairScalar> CpuEngine<T> {
             facets_on_walls: FacetsOnWalls::new(&model),
             motions: Motions::new(&model),
             motions_at_end: Motions::new(&model),
+            driven: None,
             external: ExternalSums::new(count),
             numerical_work: NumericalWork::new(count),
             heat: HeatFlow::new(&model, count),
             records: Records::default(),
-            lists: Lists::new(smoothing_lengths),
+            lists,
             step: StepState::default(),
             constants,
             instructions: Instructions::best(),
@@ -253,7 +267,9 @@ impl<T: PairScalar> CpuEngine<T> {
             reference_corrected: false,
             has_thin_parts: false,
         };
-        engine.sort_particles()?;
+        if engine.domain.is_some() {
+            engine.sort_particles()?;
+        }
         formulation.start(&mut engine);
         Ok(engine)
     }
@@ -510,6 +526,23 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
 
     fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
         self.read_by_id(field)
+    }
+
+    fn can_be_driven(&self) -> bool {
+        self.domain.is_none() && self.model.thermal.mechanics
+    }
+
+    fn driven(&self) -> Option<(Vec<bool>, Vec<bool>)> {
+        self.driven.as_ref().map(Driven::parts)
+    }
+
+    fn drive(&mut self, drive: &Drive) -> Result<(), RunFailure> {
+        if !self.can_be_driven() || !drive.fits(&self.model) {
+            let what = "loads or velocities from a program that the model or the engine does not take";
+            return Err(RunFailure::of_engine(what.to_owned()));
+        }
+        self.take_drive(drive);
+        Ok(())
     }
 
     fn persist(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {

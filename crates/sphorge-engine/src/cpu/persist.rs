@@ -1,6 +1,7 @@
 //! Saved state: everything that the following steps depend on.
 
 use super::CpuEngine;
+use crate::drive::Driven;
 use crate::engine::Part;
 use crate::lanes::PairScalar;
 use crate::neighbors::{are_places, is_place};
@@ -14,6 +15,7 @@ impl<T: PairScalar> CpuEngine<T> {
     /// - columns of the particles in their current order, with rates, base values and the marks of searches;
     /// - the list of images; their columns and the ghosts of a rank follow from it;
     /// - positions of walls; prescribed motions follow from their tables and the time;
+    /// - loads and velocities that a program has given, if it has;
     /// - work, impulse, energy of density restorations, works and powers of viscosity, artificial stress and hourglass springs, steps begun, pairs;
     /// - which bodies have come apart;
     /// - contacts: pairs, powers and works; heat: the last flow, its age, its accounts and limits;
@@ -36,7 +38,18 @@ impl<T: PairScalar> CpuEngine<T> {
             Some(domain) => domain.persist("halo", archive)?,
         }
         self.walls.persist("walls", archive)?;
+        Driven::persist(&mut self.driven, &self.model, archive)?;
+        if self.domain.is_some() && self.driven.take().is_some() {
+            let what = "a program gave loads or velocities to its run, which a run on ranks does not take";
+            return Err(ArchiveError::Unsupported(what.to_owned()));
+        }
         self.external.persist("external", archive)?;
+        // Without loads there is none, and nothing of it in the saved state.
+        if self.driven.is_some() {
+            self.external.load_work.persist("external.load_work", archive)?;
+        } else {
+            self.external.load_work = 0.0;
+        }
         self.numerical_work.persist("numerical_work", archive)?;
         self.step.persist("step", archive)?;
         self.reference_corrected.persist("reference_corrected", archive)?;

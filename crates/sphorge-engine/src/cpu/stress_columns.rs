@@ -31,10 +31,10 @@ pub(super) struct StressColumns {
     pub(super) numerical_energy: [f64; BLOCK],
     /// Coefficient of the artificial stress; only with one.
     pub(super) repulsion: [f64; BLOCK],
-    /// At the start and at the end of the step; only where some material spalls.
+    /// At the start and at the end of the step; only where some material breaks.
     pub(super) integrity_before: [f64; BLOCK],
     pub(super) integrity: [f64; BLOCK],
-    /// Of viscous pressure that is borne; only where some material spalls.
+    /// Of viscous pressure that is borne; only where some material breaks.
     pub(super) share: [f64; BLOCK],
     pub(super) pressure: [f64; BLOCK],
     pub(super) sound_speed: [f64; BLOCK],
@@ -90,14 +90,14 @@ impl StressColumns {
     pub(super) fn viscous_power(
         &self,
         parameters: ViscosityParameters<f64>,
-        spalls: bool,
+        breaks: bool,
         masses: &[f64],
         pressures: &mut [f64],
     ) -> f64 {
         let mut power = 0.0;
         for (k, (mass, pressure)) in masses.iter().zip(pressures).enumerate() {
             let (divergence, density) = (self.divergence[k], self.density[k]);
-            let share = if spalls { self.share[k] } else { 1.0 };
+            let share = if breaks { self.share[k] } else { 1.0 };
             let q =
                 share * bulk_viscosity(parameters, divergence, density, self.sound_speed[k], self.smoothing_length[k]);
             power += mass * bulk_viscous_power(0.5 * (*pressure + q), divergence, density);
@@ -220,7 +220,7 @@ pub(super) struct StressForm {
     /// Whether there is artificial stress.
     pub(super) artificial_stress: bool,
     /// Whether some material loses its integrity.
-    pub(super) spalls: bool,
+    pub(super) breaks: bool,
     pub(super) dimension: Dimension,
 }
 
@@ -243,7 +243,7 @@ impl<T: PairScalar> Job<f64> for PackStress<'_, T> {
                 let p = ViscosityParameters { alpha: L::splat(p.alpha), beta: L::splat(p.beta) };
                 let (divergence, h) = (L::load(&columns.divergence[k..]), L::load(&columns.smoothing_length[k..]));
                 let viscous = bulk_viscosity(p, divergence, density, sound_speed, h);
-                pressure += if form.spalls { viscous * L::load(&columns.share[k..]) } else { viscous };
+                pressure += if form.breaks { viscous * L::load(&columns.share[k..]) } else { viscous };
             }
             let mut deviator = [L::zero(); 6];
             for c in 0..6 {

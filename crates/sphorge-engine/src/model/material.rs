@@ -1,13 +1,14 @@
 //! Materials.
 
 use sphorge_physics::conduction::effusivity;
+use sphorge_physics::damage::{AfterFailure, Damage, Moduli};
 use sphorge_physics::eos::{BoundedPressure, ColdEnergy, EquationOfState, PressureState};
 use sphorge_physics::flow::{FlowLaw, FlowState};
 use sphorge_physics::heat::{self, melted, temperature_from_energy};
 use sphorge_physics::hyperelastic::neo_hookean_energy_of_stress;
 use sphorge_physics::integrity::{Borne, Spall};
 use sphorge_physics::total_lagrangian::young_modulus;
-use sphorge_physics::{Real, SymmetricTensor, return_mapping::ReturnRule};
+use sphorge_physics::{Elementary, Real, SymmetricTensor, return_mapping::ReturnRule};
 
 /// A material, all constants in SI.
 #[derive(Clone, Debug)]
@@ -36,6 +37,8 @@ pub struct Material {
     pub spall_pressure: f64,
     /// Opening of a crack at which it bears no tension any more, m.
     pub spall_opening: f64,
+    /// How it breaks by damage, if it does.
+    pub damage: Option<Damage<f64>>,
     /// Temperature at which the internal energy is zero, and at which bodies start unless they say otherwise, K.
     pub reference_temperature: f64,
 }
@@ -88,6 +91,61 @@ impl Material {
     /// Whether the material loses its integrity in tension.
     pub fn spalls(&self) -> bool {
         self.spall_pressure.is_finite()
+    }
+
+    /// Whether the material may lose its integrity: it spalls, or breaks by damage.
+    pub fn breaks(&self) -> bool {
+        self.spalls() || self.damage.is_some()
+    }
+
+    /// Whether yield stress, history or damage can change in a step without plastic flow at a constant temperature.
+    #[inline(always)]
+    pub fn changes_without_flow(&self) -> bool {
+        self.flow_law.changes_without_flow() || self.damage.is_some_and(|damage| damage.law.strength().is_some())
+    }
+
+    /// Elastic moduli of whole material with a shear modulus (Pa) of now.
+    pub fn moduli<T: Real>(&self, shear: T) -> Moduli<T> {
+        let sound_speed = self.equation_of_state.reference_sound_speed();
+        Moduli { young: young_modulus(T::of(self.density * sound_speed * sound_speed), shear), shear }
+    }
+
+    /// Specific elastic energy, J/kg, that whole material loses with its integrity where it breaks by damage: that of shape change at a deviatoric
+    /// stress and shear modulus (both Pa), and that of tension at a density (kg/m³), pressure (Pa) and sound speed.
+    pub fn elastic_energy_of_breaking<T: Real>(
+        &self,
+        deviator: SymmetricTensor<T>,
+        shear_modulus: T,
+        density: T,
+        pressure: T,
+        sound_speed: T,
+    ) -> T {
+        let shape = self.elastic_energy(deviator, shear_modulus, density);
+        let tension = match self.damage.map(|damage| damage.after) {
+            Some(AfterFailure::Fluid) => T::zero(),
+            _ => pressure.min(T::zero()) / (density * sound_speed),
+        };
+        shape + T::of(0.5) * tension * tension
+    }
+
+    /// Energy of the density on the isotherm ([`Self::cold_energies`]), J/kg, at an integrity: damaged material bears a share of its tension.
+    #[inline]
+    pub fn cold_energy<T: Elementary>(&self, energies: &ColdEnergy<T>, density: T, integrity: T) -> T {
+        let Some(damage) = self.damage else { return energies.at(density, integrity) };
+        let whole = energies.at(density, T::one());
+        match damage.after {
+            AfterFailure::Fluid => whole,
+            AfterFailure::NoTension => T::select_lt(density, T::of(self.density), integrity * whole, whole),
+            AfterFailure::Delete => {
+                let left = T::select_lt(density, T::of(self.density), integrity * whole, whole);
+                T::select_lt(T::zero(), integrity, left, T::zero())
+            }
+        }
+    }
+
+    /// Whether a particle that has lost all its integrity bears nothing any more, not even pressure.
+    pub fn deletes(&self) -> bool {
+        self.damage.is_some_and(|damage| matches!(damage.after, AfterFailure::Delete))
     }
 
     /// How the material spalls, if it does.
@@ -154,7 +212,7 @@ impl Material {
     pub fn is_liquid(&self, temperature: f64, state: &EnergyState) -> bool {
         let EnergyState { energy, density, deviator, plastic_work, integrity } = *state;
         let elastic = || self.elastic_energy(deviator, self.shear_modulus, density);
-        let cold = || self.cold_energies().at(density, integrity);
+        let cold = || self.cold_energy(&self.cold_energies(), density, integrity);
         let of_energy = || self.temperature_of_energy(energy, cold(), elastic(), plastic_work);
         self.liquid(temperature, of_energy) > 0.0
     }
@@ -198,6 +256,7 @@ mod tests {
             taylor_quinney: 0.9,
             spall_pressure: f64::INFINITY,
             spall_opening: 0.0,
+            damage: None,
             reference_temperature: 293.15,
         }
     }

@@ -64,6 +64,19 @@ pub enum CloudExtent {
     Width,
 }
 
+/// What is measured of the fragments of a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FragmentQuantity {
+    /// How many there are.
+    Number,
+    /// Mass of the heaviest, kg.
+    Largest,
+    /// Mass of the second heaviest, kg: that of a plug that has left a plate.
+    Second,
+    /// Mass of the particles of the body that are part of no fragment, kg.
+    Loose,
+}
+
 /// Kinds of measure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MeasureKind {
@@ -167,6 +180,17 @@ pub enum MeasureKind {
         /// Share of the mass of the cloud that is left out at its outer end.
         leave_out: f64,
     },
+    /// What hangs together of a body: its particles with integrity, joined up to a distance.
+    Fragments {
+        /// The body.
+        body: usize,
+        /// What of them.
+        quantity: FragmentQuantity,
+        /// Particles hang together up to this distance, in spacings of the body.
+        link: f64,
+        /// Particles that a fragment has at least.
+        least: u64,
+    },
 }
 
 impl MeasureKind {
@@ -181,7 +205,13 @@ impl MeasureKind {
             | Self::Value { .. }
             | Self::FrontSpeed { .. }
             | Self::Period { .. }
-            | Self::ReversalTime { .. } => false,
+            | Self::ReversalTime { .. }
+            | Self::Fragments { .. } => false,
         }
+    }
+
+    /// Whether it is made of the positions of all particles.
+    pub fn needs_positions(&self) -> bool {
+        self.is_drawn() || matches!(self, Self::Fragments { .. })
     }
 }

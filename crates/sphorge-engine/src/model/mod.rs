@@ -23,7 +23,9 @@ pub use boundary::{MotionAxis, PrescribedMotion, SymmetryPlane, TimeTable, Wall,
 pub use contact::BodyContact;
 pub use dimensions::Dimensions;
 pub use material::{EnergyState, Material, NO_HEATING};
-pub use measure::{CloudExtent, CraterEdge, Extremum, Measure, MeasureKind, ParticleSelection, Perforation};
+pub use measure::{
+    CloudExtent, CraterEdge, Extremum, FragmentQuantity, Measure, MeasureKind, ParticleSelection, Perforation,
+};
 pub use numerics::{
     AdaptiveSearch, ArtificialStress, Formulation, GradientCorrection, Integrator, Numerics, OutputControl, Precision,
     Search, SmoothingLength, StepControl, TemperatureSource, TimeControl,

@@ -4,6 +4,7 @@ use super::history::{all_declared, declared, kept_by};
 use super::table::{Access, COLUMNS};
 use super::{Column, ColumnKind, Particles};
 use crate::model::{Formulation, Material};
+use sphorge_physics::damage::lode_angle;
 use sphorge_physics::{Real, SymmetricTensor, Tensor, tensor};
 use std::borrow::Cow;
 use std::sync::LazyLock;
@@ -24,7 +25,7 @@ pub struct FieldInfo {
 }
 
 /// Derived fields, each with the stored one it stands behind in lists.
-const DERIVED: [(&str, FieldInfo); 7] = [
+const DERIVED: [(&str, FieldInfo); 8] = [
     (
         "position",
         FieldInfo {
@@ -73,6 +74,16 @@ const DERIVED: [(&str, FieldInfo); 7] = [
             kind: ColumnKind::Scalar,
             default_output: false,
             meaning: "mean stress over von Mises stress, positive in tension; zero without von Mises stress",
+        },
+    ),
+    (
+        "deviator",
+        FieldInfo {
+            name: "lode_angle",
+            unit: "",
+            kind: ColumnKind::Scalar,
+            default_output: false,
+            meaning: "normalised Lode angle: 1 in tension along one axis, 0 in shear, -1 in compression along one axis; zero without von Mises stress",
         },
     ),
     (
@@ -146,7 +157,7 @@ pub fn find_field(name: &str) -> Option<&'static FieldInfo> {
 pub fn stored_behind(field: &str) -> Vec<&str> {
     match field {
         "speed" => vec!["velocity"],
-        "von_mises_stress" => vec!["deviator"],
+        "von_mises_stress" | "lode_angle" => vec!["deviator"],
         "equivalent_strain_rate" => vec!["velocity_gradient"],
         "stress" | "triaxiality" => vec!["deviator", "pressure"],
         "displacement" => vec!["position", "initial_position"],
@@ -167,6 +178,7 @@ impl Particles {
                 (0..self.len()).map(|i| self.deviator[i] - SymmetricTensor::isotropic(self.pressure[i])).collect(),
             ))),
             "triaxiality" => scalar(&|i| triaxiality(self.pressure[i], self.deviator[i].von_mises())),
+            "lode_angle" => scalar(&|i| lode_angle(self.deviator[i])),
             "displacement" => {
                 // Nothing has moved before there is an engine.
                 let from = |i: usize| self.initial_position.get(i).unwrap_or(&self.position[i]);

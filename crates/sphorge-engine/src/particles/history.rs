@@ -4,6 +4,7 @@ use super::{ColumnVisitor, Permutation};
 use crate::model::{Material, Model};
 use crate::neighbors::BLOCK;
 use crate::persist::{Archive, ArchiveError, Fixed, Persist, persist_pieces};
+use sphorge_physics::damage::{FRACTURE_ENERGY, KEPT};
 use sphorge_physics::flow::FLOW_LAWS;
 use sphorge_physics::history::HistoryVariable;
 use sphorge_physics::integrity::INTEGRITY;
@@ -13,9 +14,9 @@ use sphorge_physics::integrity::INTEGRITY;
 pub struct History {
     /// Variables of the laws of a model, each once.
     variables: Vec<&'static HistoryVariable>,
-    /// For each material, the variables of its law in the law's order, then its integrity if it spalls.
+    /// For each material, the variables of its flow law in the law's order, those of damage, then its integrity if it breaks.
     slots: Vec<Vec<usize>>,
-    /// Place of the integrity among the variables, if some material spalls.
+    /// Place of the integrity among the variables, if some material breaks.
     integrity: Option<usize>,
     /// Values of a block of particles, particle by particle.
     blocks: Vec<Vec<f64>>,
@@ -23,7 +24,7 @@ pub struct History {
 
 /// All variables that materials may keep.
 pub(super) fn all_declared() -> impl Iterator<Item = &'static HistoryVariable> {
-    FLOW_LAWS.iter().flat_map(|law| law.history).chain([&INTEGRITY])
+    FLOW_LAWS.iter().flat_map(|law| law.history).chain(KEPT).chain([&INTEGRITY])
 }
 
 /// The variable of that name, if some law declares one.
@@ -31,9 +32,11 @@ pub(super) fn declared(name: &str) -> Option<&'static HistoryVariable> {
     all_declared().find(|variable| variable.name == name)
 }
 
-/// The variables that a material keeps: those of its flow law in the law's order, then its integrity if it spalls.
+/// The variables that a material keeps: those of its flow law in the law's order, those of damage if it has a law of it, then its integrity if
+/// it breaks.
 pub(super) fn kept_by(material: &Material) -> impl Iterator<Item = &'static HistoryVariable> {
-    material.flow_law.history().iter().chain(material.spalls().then_some(&INTEGRITY))
+    let of_damage = material.damage.iter().flat_map(|_| KEPT);
+    material.flow_law.history().iter().chain(of_damage).chain(material.breaks().then_some(&INTEGRITY))
 }
 
 /// What the laws of a model keep of the past of a particle.
@@ -41,8 +44,8 @@ pub(super) fn kept_by(material: &Material) -> impl Iterator<Item = &'static Hist
 pub struct HistoryVariables {
     /// Variables of all laws, each once.
     pub variables: Vec<&'static HistoryVariable>,
-    /// For each material, the places among them of the variables of its law, in the law's order, then that of its integrity if it
-    /// spalls.
+    /// For each material, the places among them of the variables of its flow law, in the law's order, those of damage if it has a law of it, then
+    /// that of its integrity if it breaks.
     pub slots: Vec<Vec<usize>>,
 }
 
@@ -83,6 +86,21 @@ impl History {
     pub fn integrity_of(&self, i: usize) -> f64 {
         let width = self.variables.len();
         self.integrity.map_or(INTEGRITY.initial, |k| self.blocks[i / BLOCK][i % BLOCK * width + k])
+    }
+
+    /// Whether some material breaks by damage.
+    pub(crate) fn keeps_fracture_energy(&self) -> bool {
+        self.variables.iter().any(|variable| variable.name == FRACTURE_ENERGY.name)
+    }
+
+    /// Adds the energy that breaking has dissipated in particles of these masses (kg), J, in their order.
+    pub(crate) fn add_fracture_energy(&self, masses: &[f64], sum: &mut [f64]) {
+        let Some(k) = self.variables.iter().position(|variable| variable.name == FRACTURE_ENERGY.name) else { return };
+        let width = self.variables.len();
+        let energies = self.blocks.iter().flat_map(|block| block.iter().skip(k).step_by(width));
+        for (energy, mass) in energies.zip(masses) {
+            sum[0] += mass * energy;
+        }
     }
 
     /// Values of every block, and for each material the places of its law's variables among those of a particle.

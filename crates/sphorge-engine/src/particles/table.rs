@@ -91,6 +91,18 @@ pub struct ColumnInfo {
     pub check: Check,
 }
 
+/// Does all of this, in any order and on all threads; nothing is allocated for it.
+fn all_at_once(jobs: &mut [&mut (dyn FnMut() + Send)]) {
+    match jobs {
+        [] => {}
+        [job] => job(),
+        _ => {
+            let (some, others) = jobs.split_at_mut(jobs.len() / 2);
+            rayon::join(|| all_at_once(some), || all_at_once(others));
+        }
+    }
+}
+
 macro_rules! columns {
     ($( $visibility:vis $name:ident : $type:ty = $initial:expr, $owner:ident, $access:ident($unit:literal, $meaning:literal),
         $mirror:ident[$($set:ident),*], $check:ident; )+) => {
@@ -133,7 +145,8 @@ macro_rules! columns {
             /// Adds the columns of an owner, at their initial values.
             pub(crate) fn allocate(&mut self, owner: Owner) {
                 let count = self.len();
-                $( if owner == Owner::$owner { self.$name.resize(count, $initial); } )+
+                let Self { history: _, $( $name ),+ } = self;
+                all_at_once(&mut [$( &mut || if owner == Owner::$owner { $name.resize(count, $initial) } ),+]);
             }
 
             /// Takes the columns of an owner away.
@@ -151,10 +164,10 @@ macro_rules! columns {
                 self.position.is_empty()
             }
 
-            /// Moves every column the same way; see [`Permutation`].
+            /// Moves every column the same way, several at once; see [`Permutation`].
             pub fn reorder(&mut self, permutation: &Permutation) {
-                $( permutation.apply(&mut self.$name); )+
-                self.history.reorder(permutation);
+                let Self { history, $( $name ),+ } = self;
+                all_at_once(&mut [$( &mut || permutation.apply($name) ),+, &mut || history.reorder(permutation)]);
             }
 
             /// Shows every column in turn, those of a run and those it does not use, always in the same order; afterwards all that are used are of

@@ -199,9 +199,9 @@ pub(super) fn evaluate<R: Turns>(
     }
 }
 
-/// Whether a body of the material may come apart: it spalls, or its flow law knows damage.
+/// Whether a body of the material may come apart: it spalls, breaks by damage, or its flow law knows damage.
 fn can_break(material: &Material) -> bool {
-    material.spall_pressure.is_finite() || material.flow_law.history().iter().any(|v| v.name.contains("damage"))
+    material.breaks() || material.flow_law.history().iter().any(|v| v.name.contains("damage"))
 }
 
 /// Whether a particle is of a material that may not come apart.

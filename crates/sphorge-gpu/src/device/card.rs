@@ -34,8 +34,8 @@ enum Way {
 pub struct Program {
     name: String,
     compiled: Compiled,
-    /// The same that counts what it does, where times are asked for.
-    counted: Option<Compiled>,
+    /// What it was made of, where times are asked for.
+    kernel: Option<Arc<Kernel>>,
 }
 
 #[derive(Clone, Debug)]
@@ -49,15 +49,16 @@ enum Compiled {
 pub struct Launch {
     name: String,
     bound: Bound,
-    /// The same that counts what it does, and the counts.
-    counted: Option<(Bound, Counts)>,
+    /// What counts what it does is made of these when that is asked for, where times are.
+    counting: Option<Counting>,
 }
 
-/// Where the threads of a launch count.
+/// A kernel and its buffers, for so many threads.
 #[derive(Debug)]
-struct Counts {
-    array: Arc<Array>,
-    threads: usize,
+struct Counting {
+    kernel: Arc<Kernel>,
+    arrays: Vec<Array>,
+    threads: u32,
 }
 
 #[derive(Debug)]
@@ -74,7 +75,7 @@ pub struct Array {
     count: usize,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum Buffer {
     Cuda(Arc<cuda::Block>),
     Graphics(wgpu::Buffer),
@@ -186,13 +187,24 @@ impl Card {
     }
 
     /// Room for what so many threads count.
-    fn counts(&self, threads: usize) -> Result<Counts, CardFault> {
+    fn counts(&self, threads: usize) -> Result<Arc<Array>, CardFault> {
         let mut longest = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
-        let array = match longest.as_ref().filter(|known| known.count() >= COUNTED * threads) {
-            Some(known) => known.clone(),
-            None => longest.insert(Arc::new(self.zeros(COUNTED * threads)?)).clone(),
-        };
-        Ok(Counts { array, threads })
+        match longest.as_ref().filter(|known| known.count() >= COUNTED * threads) {
+            Some(known) => Ok(known.clone()),
+            None => Ok(longest.insert(Arc::new(self.zeros(COUNTED * threads)?)).clone()),
+        }
+    }
+
+    /// Launches a kernel that counts what it does, compiled for that: numbers that its threads read or write, and their arithmetic.
+    fn count(&self, of: &Counting) -> Result<[f64; COUNTED], CardFault> {
+        let kernel = of.kernel.counted();
+        let refused = |why| CardFault::Kernel { kernel: kernel.name.clone(), why };
+        let compiled = self.compiled(&kernel).map_err(refused)?;
+        let counts = self.counts(of.threads as usize)?;
+        let arrays: Vec<_> = of.arrays.iter().chain([&*counts]).collect();
+        self.launch_all([&self.bound(&compiled, &arrays, of.threads).map_err(refused)?]);
+        let numbers = self.copy_back(&counts, COUNTED * of.threads as usize)?;
+        Ok(std::array::from_fn(|k| numbers.chunks_exact(COUNTED).map(|of| f64::from(of[k])).sum()))
     }
 
     /// What it is, and what of its memory was free when it was opened.
@@ -269,12 +281,10 @@ impl Card {
     /// # Errors
     /// The driver does not take it.
     pub fn compile(&self, kernel: &Kernel) -> Result<Program, CardFault> {
-        let compile = |kernel: &Kernel| {
-            let refused = |why| CardFault::Kernel { kernel: kernel.name.clone(), why };
-            self.compiled(kernel).map_err(refused)
-        };
-        let counted = self.profile.as_ref().map(|_| compile(&kernel.counted())).transpose()?;
-        Ok(Program { name: kernel.name.clone(), compiled: compile(kernel)?, counted })
+        let refused = |why| CardFault::Kernel { kernel: kernel.name.clone(), why };
+        let compiled = self.compiled(kernel).map_err(refused)?;
+        let of_counts = self.profile.as_ref().map(|_| Arc::new(kernel.clone()));
+        Ok(Program { name: kernel.name.clone(), compiled, kernel: of_counts })
     }
 
     fn compiled(&self, kernel: &Kernel) -> Result<Compiled, String> {
@@ -317,15 +327,12 @@ impl Card {
     pub fn bind(&self, program: &Program, arrays: &[&Array], threads: u32) -> Result<Launch, CardFault> {
         let refused = |why| CardFault::Kernel { kernel: program.name.clone(), why };
         let bound = self.bound(&program.compiled, arrays, threads).map_err(refused)?;
-        let counted = match &program.counted {
-            None => None,
-            Some(counted) => {
-                let counts = self.counts(threads as usize)?;
-                let arrays: Vec<_> = arrays.iter().copied().chain([&*counts.array]).collect();
-                Some((self.bound(counted, &arrays, threads).map_err(refused)?, counts))
-            }
-        };
-        Ok(Launch { name: program.name.clone(), bound, counted })
+        let counting = program.kernel.clone().map(|kernel| {
+            let arrays =
+                arrays.iter().map(|array| Array { buffer: array.buffer.clone(), count: array.count }).collect();
+            Counting { kernel, arrays, threads }
+        });
+        Ok(Launch { name: program.name.clone(), bound, counting })
     }
 
     fn bound(&self, compiled: &Compiled, arrays: &[&Array], threads: u32) -> Result<Bound, String> {
@@ -353,22 +360,18 @@ impl Card {
     /// Launches kernels one after the other, each when what the last has written is there.
     pub fn launch<'a>(&self, launches: impl IntoIterator<Item = &'a Launch>) {
         let bounds = launches.into_iter();
-        let Some(profile) = &self.profile else { return self.launch_all(bounds.map(|launch| &launch.bound)) };
+        let Some(profile) = self.profile.as_ref().filter(|profile| !profile.is_paused()) else {
+            return self.launch_all(bounds.map(|launch| &launch.bound));
+        };
         for launch in bounds {
-            match &launch.counted {
-                Some((counted, counts)) if profile.counts_next(&launch.name) => {
-                    self.launch_all([counted]);
-                    let numbers = self.copy_back(&counts.array, counts.array.count).unwrap_or_default();
-                    let of_threads = numbers.chunks_exact(COUNTED).take(counts.threads);
-                    let sum = |k: usize| of_threads.clone().map(|of| f64::from(of[k])).sum();
-                    profile.count(&launch.name, sum(0), sum(1));
-                }
-                // What goes wrong is told when something is read.
-                _ => {
-                    if let Ok(seconds) = self.time([launch]) {
-                        profile.add(&launch.name, seconds);
-                    }
-                }
+            let counting = launch.counting.as_ref().filter(|_| profile.counts_next(&launch.name));
+            if let Some([numbers, operations]) = counting.and_then(|of| self.count(of).ok()) {
+                profile.count(&launch.name, numbers, operations);
+                continue;
+            }
+            // What goes wrong is told when something is read.
+            if let Ok(seconds) = self.time([launch]) {
+                profile.add(&launch.name, seconds);
             }
         }
     }

@@ -119,6 +119,14 @@ pub(super) fn candidates() -> (Vec<Candidate>, Vec<Missing>) {
     (candidates, missing)
 }
 
+/// Why there is no card by the interface of graphics of this system, and nothing that stands for one.
+fn why_there_is_none() -> String {
+    #[cfg(target_os = "linux")]
+    return super::vulkan::what_is_missing();
+    #[cfg(not(target_os = "linux"))]
+    "no driver is installed".to_owned()
+}
+
 /// What is in the way of cards by the interface of graphics of this system.
 fn missing_graphics<'a>(mut found: impl Iterator<Item = &'a Found>) -> Option<Missing> {
     let mut software = None;
@@ -139,13 +147,14 @@ fn missing_graphics<'a>(mut found: impl Iterator<Item = &'a Found>) -> Option<Mi
         (
             Interface::Vulkan,
             "install the driver of the card: `mesa-vulkan-drivers` for AMD and Intel (the user must be in the group \
-             `render`), for NVIDIA the driver with its Vulkan part; and `libvulkan1`",
+             `render`), for NVIDIA the driver with its Vulkan part and, in a container, what it needs (`libglvnd0`, \
+             `libx11-6`, `libxext6`); and `libvulkan1`. Libraries outside the system's folders are found by \
+             `LD_LIBRARY_PATH`, and VK_LOADER_DEBUG=all shows what the loader tries",
         )
     };
-    let why = software.map_or_else(
-        || format!("no {interface} driver is installed"),
-        |name| format!("there is only a software renderer, {name}, which runs on the processor"),
-    );
+    let why = software.map_or_else(why_there_is_none, |name| {
+        format!("there is only a software renderer, {name}, which runs on the processor")
+    });
     Some(Missing { interface, why, cure: cure.to_owned() })
 }
 
@@ -230,6 +239,6 @@ mod tests {
         assert!(missing.why.contains("llvmpipe") && missing.why.contains("software"), "{missing:?}");
         let real = card("Radeon", Interface::Vulkan, false);
         assert_eq!(missing_graphics([&real, &software].into_iter()), None);
-        assert!(missing_graphics([].into_iter()).unwrap().why.contains("driver is installed"));
+        assert!(!missing_graphics([].into_iter()).unwrap().why.is_empty());
     }
 }

@@ -4,6 +4,7 @@ use super::trouble::Trouble;
 use super::{CardFault, Found, Interface};
 use crate::record::{Access, Kernel};
 use crate::source::WORKGROUP;
+use std::sync::OnceLock;
 use std::sync::mpsc::Receiver;
 use wgpu::{
     Backends, BindingType, BufferBindingType, BufferUsages, DeviceType, ErrorFilter, Instance, InstanceDescriptor,
@@ -41,7 +42,15 @@ pub(super) struct Bound {
 }
 
 /// Adapters, cards before what stands for one.
+///
+/// They are looked for once, and what they belong to stays until the process ends: drivers that are loaded and unloaded on several threads
+/// at a time crash (NVIDIA's 580.159).
 pub(super) fn adapters() -> Vec<wgpu::Adapter> {
+    static ADAPTERS: OnceLock<Vec<wgpu::Adapter>> = OnceLock::new();
+    ADAPTERS.get_or_init(enumerate).clone()
+}
+
+fn enumerate() -> Vec<wgpu::Adapter> {
     let backends = Backends::VULKAN | Backends::METAL | Backends::DX12;
     let instance = Instance::new(InstanceDescriptor { backends, ..InstanceDescriptor::new_without_display_handle() });
     let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));

@@ -7,6 +7,8 @@ mod found;
 mod graphics;
 mod profile;
 mod trouble;
+#[cfg(target_os = "linux")]
+mod vulkan;
 mod yardstick;
 
 pub use card::{Array, Card, Launch, Pending, Program, Room};

@@ -1,14 +1,18 @@
 //! Times of kernels, and what they do in them.
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Which launch of a kernel counts what it does instead of being timed: the first steps are of a start.
+/// Which launch of a kernel counts what it does instead of being timed: the first steps may be those of a start.
 const COUNTED: u64 = 3;
 
 /// Times of kernels, each waited for by itself; copies share them.
 #[derive(Clone, Debug, Default)]
-pub struct Profile(Arc<Mutex<Vec<KernelTime>>>, Arc<ReadBack>);
+pub struct Profile {
+    times: Arc<Mutex<Vec<KernelTime>>>,
+    read_back: Arc<ReadBack>,
+    is_paused: Arc<AtomicBool>,
+}
 
 /// What is copied back, but for frames.
 #[derive(Debug, Default)]
@@ -43,29 +47,38 @@ pub struct KernelWork {
 }
 
 impl Profile {
+    /// Times no kernels for a while, so that nothing is waited for; or goes on with it.
+    pub fn pause(&self, is_paused: bool) {
+        self.is_paused.store(is_paused, Ordering::Relaxed);
+    }
+
+    pub(super) fn is_paused(&self) -> bool {
+        self.is_paused.load(Ordering::Relaxed)
+    }
+
     /// Bytes that were copied back, not counting frames.
     pub fn bytes_read(&self) -> u64 {
-        self.1.bytes.load(Ordering::Relaxed)
+        self.read_back.bytes.load(Ordering::Relaxed)
     }
 
     /// How often the card was waited for to have them. Copies that were queued before another that was waited for are there already.
     pub fn waits(&self) -> u64 {
-        self.1.waits.load(Ordering::Relaxed)
+        self.read_back.waits.load(Ordering::Relaxed)
     }
 
     pub(super) fn add_read(&self, bytes: u64) {
-        self.1.bytes.fetch_add(bytes, Ordering::Relaxed);
+        self.read_back.bytes.fetch_add(bytes, Ordering::Relaxed);
     }
 
     /// The place of another copy in the queue.
     pub(super) fn queue_copy(&self) -> u64 {
-        1 + self.1.queued.fetch_add(1, Ordering::Relaxed)
+        1 + self.read_back.queued.fetch_add(1, Ordering::Relaxed)
     }
 
     /// Counts a wait, unless what is at that place of the queue is there for certain.
     pub(super) fn wait_for(&self, place: u64) {
-        if self.1.there.fetch_max(place, Ordering::Relaxed) < place {
-            self.1.waits.fetch_add(1, Ordering::Relaxed);
+        if self.read_back.there.fetch_max(place, Ordering::Relaxed) < place {
+            self.read_back.waits.fetch_add(1, Ordering::Relaxed);
         }
     }
 
@@ -85,7 +98,7 @@ impl Profile {
     }
 
     fn kernels(&self) -> MutexGuard<'_, Vec<KernelTime>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.times.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn change(&self, kernel: &str, change: impl FnOnce(&mut KernelTime)) {

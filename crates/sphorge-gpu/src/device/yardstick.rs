@@ -17,11 +17,29 @@ pub struct Yardstick {
 
 /// What a measurement takes at least, s.
 const LONG_ENOUGH: f64 = 0.02;
-/// Threads of the largest.
+/// Numbers of the largest.
 const MOST: usize = 1 << 26;
+/// Numbers that a thread copies: with one each a card spends its time on starting threads. Threads beside each other, as many as a card executes
+/// together, read numbers beside each other.
+const COPIED: usize = 16;
+const TOGETHER: usize = 32;
 /// Independent sums of a thread, and additions to each.
 const SUMS: usize = 16;
 const ADDITIONS: u32 = 256;
+
+/// Every thread copies so many numbers.
+fn copy() -> Result<Kernel, KernelFault> {
+    Kernel::record("copy", |scope| {
+        let (x, y) = (scope.input("x"), scope.output("y"));
+        let thread = scope.thread();
+        let place = thread.and(Index::of(TOGETHER as u32 - 1));
+        let first = thread.and(Index::of(!(TOGETHER as u32 - 1))) * Index::of(COPIED as u32) + place;
+        let at: [_; COPIED] = std::array::from_fn(|k| first + Index::of((k * TOGETHER) as u32));
+        // All are on their way before the first is written.
+        let numbers = at.map(|i| x.at(i));
+        at.into_iter().zip(numbers).for_each(|(i, number)| y.set(i, number));
+    })
+}
 
 impl Card {
     /// Measures what it can do.
@@ -32,11 +50,7 @@ impl Card {
         let recorded = |kernel: Result<Kernel, KernelFault>| {
             kernel.map_err(|fault| CardFault::Kernel { kernel: fault.kernel, why: fault.what.to_owned() })
         };
-        let copy = recorded(Kernel::record("copy", |scope| {
-            let (x, y) = (scope.input("x"), scope.output("y"));
-            let i = scope.thread();
-            y.set(i, x.at(i));
-        }))?;
+        let copy = recorded(copy())?;
         let multiply = recorded(Kernel::record("multiply", |scope| {
             let (x, y) = (scope.input("x"), scope.output("y"));
             let i = scope.thread();
@@ -48,22 +62,26 @@ impl Card {
             });
             y.set(i, sums.into_iter().reduce(|a, b| a + b).unwrap_or(factor));
         }))?;
-        let (copies, seconds) = self.largest(&copy, MOST.min(self.found().largest_buffer as usize / 4))?;
-        let (threads, multiplying) = self.largest(&multiply, copies)?;
-        let (_, launch_seconds) = self.largest(&copy, 1)?;
+        let most = MOST.min(self.found().largest_buffer as usize / 4);
+        let (copying, seconds) = self.largest(&copy, COPIED, most)?;
+        let (threads, multiplying) = self.largest(&multiply, 1, most)?;
+        let (_, launch_seconds) = self.largest(&copy, COPIED, 1)?;
         Ok(Yardstick {
-            bytes_per_second: 8.0 * copies as f64 / seconds,
+            bytes_per_second: 8.0 * (COPIED * copying) as f64 / seconds,
             operations_per_second: 2.0 * (SUMS * threads) as f64 * f64::from(ADDITIONS) / multiplying,
             launch_seconds,
         })
     }
 
-    /// Threads of a launch that takes long enough, or as many as there may be, and the least seconds of a few.
-    fn largest(&self, kernel: &Kernel, most: usize) -> Result<(usize, f64), CardFault> {
+    /// Threads of a launch that takes long enough, or as many as there may be of so many numbers each, and the least seconds of a few.
+    fn largest(&self, kernel: &Kernel, each: usize, most: usize) -> Result<(usize, f64), CardFault> {
         let program = self.compile(kernel)?;
+        // Some threads together, or one alone.
+        let most = if most < TOGETHER * each { 1 } else { most / (TOGETHER * each) * TOGETHER };
         let mut threads = most.min(1 << 14);
         loop {
-            let (x, y) = (self.zeros(threads)?, self.zeros(threads)?);
+            let numbers = each * threads.next_multiple_of(TOGETHER);
+            let (x, y) = (self.zeros(numbers)?, self.zeros(numbers)?);
             let launch = self.bind(&program, &[&x, &y], threads as u32)?;
             let mut least = f64::INFINITY;
             // The first touches memory for the first time.
@@ -75,5 +93,20 @@ impl Card {
             }
             threads = most.min(4 * threads);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::Evaluation;
+
+    #[test]
+    fn every_number_is_copied() {
+        let threads = 3 * TOGETHER;
+        let numbers: Vec<f32> = (1..=threads * COPIED).map(|k| k as f32).collect();
+        let mut buffers = [numbers.clone(), vec![0.0; numbers.len()]];
+        Evaluation::default().run(&copy().unwrap(), &mut buffers, threads as u32);
+        assert_eq!(buffers[1], numbers);
     }
 }

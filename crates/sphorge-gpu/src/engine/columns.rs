@@ -118,12 +118,13 @@ pub(super) enum Group {
     /// Contact laws for all pairs of bodies.
     ContactLaws,
     /// Heat conduction: see [`super::kernels::conduction`]. For particles, for each boundary, the body that a particle
-    /// touches, laws of each body, and for chunks.
+    /// touches, laws of each body, for parts of the particles, and the results of the reduction passes.
     Heat,
     Boundaries,
     Touched,
     HeatLaws,
     HeatExtremes,
+    HeatExtremesLeft(usize),
     /// Start of the list of each particle, and the neighbours.
     ListStarts,
     List,
@@ -144,7 +145,7 @@ pub(super) enum Group {
     Patched,
     /// Gradient correction of the strain that the guard of adaptive search counts, and that of the last step.
     StrainCorrection,
-    /// For each chunk of particles the displacements since then, and the numbers of searched particles: see
+    /// For parts of the particles the displacements since then, and the numbers of searched particles: see
     /// [`super::kernels::kept`].
     Ways,
     /// The results of the reduction passes.
@@ -254,6 +255,7 @@ impl Group {
             Self::ContactLaws
             | Self::HeatLaws
             | Self::HeatExtremes
+            | Self::HeatExtremesLeft(_)
             | Self::Extremes
             | Self::ExtremesLeft(_)
             | Self::Kept

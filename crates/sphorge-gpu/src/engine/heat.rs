@@ -2,7 +2,7 @@
 
 use super::columns::Group;
 use super::kernels::conduction::{BEYOND, EXTREMES};
-use super::kernels::limits::CHUNK;
+use super::kernels::reduce;
 use super::snapshot::read;
 use super::{GpuEngine, failure};
 use sphorge_engine::ranks::StepFault;
@@ -40,10 +40,10 @@ impl GpuEngine {
     /// The smallest limit, s; stores the lowest temperature.
     fn read_heat_extremes(&mut self) -> Result<f64, RunFailure> {
         self.launch(&self.stages.heat_extremes)?;
-        let numbers = read(&self.card, &self.columns, Group::HeatExtremes)?;
-        let chunks = self.stride / CHUNK;
-        let of = |k: usize| numbers[k * chunks..(k + 1) * chunks].iter().map(|number| f64::from(*number));
-        debug_assert_eq!(numbers.len(), EXTREMES * chunks);
+        let left = reduce::left(Group::HeatExtremes, reduce::rows(self.stride));
+        let numbers = read(&self.card, &self.columns, left)?;
+        let rows = numbers.len() / EXTREMES;
+        let of = |k: usize| numbers[k * rows..(k + 1) * rows].iter().map(|number| f64::from(*number));
         let is_broken = of(2).any(|broken| broken > 0.0);
         let of_rank = [
             f64::from(u8::from(is_broken)),

@@ -3,8 +3,8 @@
 use super::columns::Group;
 use super::kernels::contact;
 use super::kernels::ledger::{
-    ACCOUNTS, ANGULAR, ELASTIC, FORCE, HELD, INTERNAL, KINETIC, LedgerSums, MEETING, MEETING_ENERGY, MOMENTUM,
-    OF_ACCOUNTS, PLACE, PLASTIC, SPEED, numbers,
+    ACCOUNTS, ANGULAR, ELASTIC, FORCE, FRACTURE, HELD, INTERNAL, KINETIC, LedgerSums, MEETING, MEETING_ENERGY,
+    MOMENTUM, OF_ACCOUNTS, PLACE, PLASTIC, SPEED, numbers,
 };
 use super::kernels::walls::SUMS;
 use super::made::SegmentSums;
@@ -136,6 +136,8 @@ impl<'a> Table<'a> {
             total,
             external_work: work,
             external_impulse: [x, y, z],
+            // Cards take no loads of a program.
+            load_work: 0.0,
             walls: walls.clone().map(|wall| self.wall(wall)).collect(),
             wall_forces: walls.map(wall_force).collect(),
             wall_stored_energies: Vec::new(),
@@ -145,6 +147,7 @@ impl<'a> Table<'a> {
             hourglass_energy,
             hourglass_stored_energy: self.of_all(HELD),
             mls_energy,
+            fracture_energy: self.of_all(FRACTURE),
             contacts: pairs.into_iter().map(|pair| self.contact(pair)).collect(),
             motion_forces: (1..driven.len()).map(|motion| self.reaction(motion, driven[motion])).collect(),
             heat: self.heat(),

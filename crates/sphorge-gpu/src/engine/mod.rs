@@ -69,8 +69,10 @@ mod step_numbers {
     pub(super) const NUMBER: u32 = 6;
     /// For shared particles: the first ghost that precedes the own particles in the common order.
     pub(super) const GHOSTS_BEFORE: u32 = 7;
+    /// Time at the end of the step, s.
+    pub(super) const END: u32 = 8;
     /// The first wall.
-    pub(super) const WALLS: u32 = 8;
+    pub(super) const WALLS: u32 = 9;
     /// Displacement, m, and velocity, m/s, of a wall.
     pub(super) const WALL_LENGTH: u32 = 6;
     /// For a prescribed motion: one along each prescribed axis, velocities at the middle and at the end of the step,
@@ -197,6 +199,10 @@ impl EngineKind for Gpu {
 
     fn supports(&self, model: &Model) -> Result<(), Unsupported> {
         supports::supports(model)
+    }
+
+    fn completes_particles(&self) -> bool {
+        true
     }
 
     fn start(&self, model: Arc<Model>, particles: Particles) -> Result<Box<dyn Engine>, RunFailure> {

@@ -13,6 +13,7 @@ use super::ranks::wears_out;
 use super::search::WAYS_TOGETHER;
 use crate::record::KernelFault;
 use grid::{Grid, Sorted, SortingThreads};
+use rayon::prelude::*;
 use sphorge_engine::model::{Formulation, Integrator, Search, TemperatureSource, Wall};
 use sphorge_engine::{Model, Particles};
 use sphorge_physics::Dimension;
@@ -153,6 +154,8 @@ impl Plan {
         let Grids { of_kernels: grid, of_facets } = grids;
         let (all, all_here) = (Threads::Of(p.len()), Threads::OfAllHere);
         let Rows { stride, portions, .. } = rows;
+        let parts = reduce::rows(stride);
+        let of_parts = |kernel| Planned { kernel, threads: Threads::Of(parts) };
         let of_particles = |kernel| Planned { kernel, threads: all };
         let of_surface = |kernel| Planned { kernel, threads: Threads::OfSurface };
         let mut plan = Self::default();
@@ -169,19 +172,18 @@ impl Plan {
                 plan.wrap.extend(wrap::wrap(model, stride)?.map(of_particles));
                 plan.sorting = sorting(grid, rows, Sorted::Particles, all_here)?;
                 if keeps_lists(model) {
-                    let of_chunks = |kernel| Planned { kernel, threads: Threads::Of(stride / limits::CHUNK) };
                     let rule = kept::adaptive(model);
                     let is_guarded = rule.is_some_and(|rule| rule.guard.is_some());
                     let since = if is_guarded { Group::FoundAt } else { Group::SearchedAt };
                     if model.search != Search::EveryStep {
-                        plan.ways.push(of_chunks(kept::ways(model, since, p.len(), stride)?));
+                        plan.ways.push(of_parts(kept::ways(model, since, p.len(), stride)?));
                     }
                     if rule.is_some() && model.periodic.iter().any(Option::is_some) {
-                        plan.strayed.push(of_chunks(kept::ways(model, Group::SearchedAt, p.len(), stride)?));
+                        plan.strayed.push(of_parts(kept::ways(model, Group::SearchedAt, p.len(), stride)?));
                     }
                     if let Some(rule) = rule {
                         plan.mark.push(of_particles(kept::mark(rule, stride)?));
-                        plan.mark.push(of_chunks(kept::count_marked(p.len(), stride)?));
+                        plan.mark.push(of_parts(kept::count_marked(p.len(), stride)?));
                         let marked = &mut plan.search_marked;
                         marked.push(of_particles(in_dimension!(
                             model,
@@ -194,7 +196,7 @@ impl Plan {
                         if is_guarded {
                             marked.push(of_particles(in_dimension!(model, kept::patch, model, grid, stride)));
                         }
-                        marked.push(of_chunks(kept::longest_rows(stride)?));
+                        marked.push(of_parts(kept::longest_rows(stride)?));
                     }
                     if is_guarded && !pairs::is_corrected(model) {
                         let due = &mut plan.corrected_gradients;
@@ -202,7 +204,7 @@ impl Plan {
                         due.push(of_particles(in_dimension!(model, pairs::gradients, model, true, stride)));
                     }
                     plan.search.push(of_particles(in_dimension!(model, kept::search, model, grid, stride)));
-                    plan.search.push(of_chunks(kept::longest_rows(stride)?));
+                    plan.search.push(of_parts(kept::longest_rows(stride)?));
                 }
                 plan.gradients.push(of_particles(pairs::weigh(model, stride)?));
                 plan.gradients.push(of_particles(in_dimension!(model, pairs::gradients, model, false, stride)));
@@ -355,24 +357,21 @@ impl Plan {
             let sums = in_dimension!(model, conduction::sums, model, grid, stride);
             plan.sum_heat.extend(sums.into_iter().map(of_particles));
             plan.flow_heat.push(of_particles(conduction::flow(model, stride)?));
-            let chunks = Threads::Of(stride / limits::CHUNK);
-            plan.heat_extremes.push(Planned { kernel: conduction::extremes(p.len(), stride)?, threads: chunks });
+            plan.heat_extremes.push(of_parts(conduction::extremes(p.len(), stride)?));
+            plan.heat_extremes.extend(reduced(reduce::reduce(Group::HeatExtremes, parts, conduction::TOGETHER)?));
         }
         plan.finish.insert(0, of_particles(finish));
         plan.finish.push(of_particles(limits::of_particles(model, stride)?));
-        let of_limits = limits::rows(stride);
-        plan.finish.push(Planned { kernel: limits::extremes(stride)?, threads: Threads::Of(of_limits) });
-        plan.finish.extend(reduced(reduce::reduce(Group::Extremes, of_limits, limits::together())?));
+        plan.finish.push(of_parts(limits::extremes(stride)?));
+        plan.finish.extend(reduced(reduce::reduce(Group::Extremes, parts, limits::together())?));
         if rows.are_shared && wears_out(model) {
-            let of_chunks = Threads::Of(stride / limits::CHUNK);
-            plan.ghost_ways
-                .push(Planned { kernel: kept::ways(model, Group::GhostsAt, p.len(), stride)?, threads: of_chunks });
+            plan.ghost_ways.push(of_parts(kept::ways(model, Group::GhostsAt, p.len(), stride)?));
         }
         if keeps_lists(model) || rows.are_shared {
             let Self { ghost_ways, ways, strayed, mark, search, search_marked, .. } = &mut plan;
             for stage in [ghost_ways, ways, strayed, mark, search, search_marked] {
                 if !stage.is_empty() {
-                    stage.extend(reduced(reduce::reduce(Group::Ways, stride / limits::CHUNK, WAYS_TOGETHER)?));
+                    stage.extend(reduced(reduce::reduce(Group::Ways, parts, WAYS_TOGETHER)?));
                 }
             }
         }
@@ -421,5 +420,5 @@ pub(super) fn keeps_lists(model: &Model) -> bool {
 
 /// Particles of a material.
 pub(super) fn members(p: &Particles, material: usize) -> Vec<u32> {
-    (0..p.len() as u32).filter(|i| p.material[*i as usize] as usize == material).collect()
+    (0..p.len() as u32).into_par_iter().filter(|i| p.material[*i as usize] as usize == material).collect()
 }

@@ -43,8 +43,8 @@ fn of_features(model: &Model) -> usize {
         + of(keeps_lists(model), kept::ROWS + kept::SEARCHED_AT)
         // Marks, candidates and where they were found, and the correction of the strain.
         + of(kept::adaptive(model).is_some(), 8 + kept::STRAINED + 1)
-        // Bodies and motions, and starts of lists.
-        + 3
+        // Bodies and motions, starts of lists, and what is reduced to a few rows.
+        + 5
 }
 
 /// Refuses a group of columns whose places a card cannot number: each body that others meet has columns of its own.

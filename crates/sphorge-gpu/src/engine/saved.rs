@@ -7,6 +7,7 @@ use super::GpuEngine;
 use super::columns::Group;
 use super::kernels::kept::follows;
 use super::snapshot::{LISTS, STATE, read};
+use rayon::prelude::*;
 use sphorge_engine::RunFailure;
 use sphorge_engine::model::Search;
 use sphorge_engine::persist::{Archive, ArchiveError, Persist, persist_pieces};
@@ -65,9 +66,11 @@ impl GpuEngine {
             };
             for (k, column) in numbers.chunks_exact_mut(stride).enumerate() {
                 let name = format!("{group:?}.{k}").to_lowercase();
-                let mut values = column[..own].to_vec();
+                let mut values: Vec<f32> = column[..own].par_iter().with_min_len(1 << 16).copied().collect();
                 persist_pieces(&mut values, &name, archive)?;
-                column[..own].copy_from_slice(&values);
+                if !archive.is_saving() {
+                    column[..own].copy_from_slice(&values);
+                }
             }
             match group {
                 _ if archive.is_saving() => {}

@@ -6,11 +6,11 @@ use super::kernels::images::Planes;
 use super::kernels::kept::{
     HIGH, LENGTH, LONGEST, LONGEST_ROW, LOW, MARKED_ROWS, THINNEST_SKIN, WAYS, follows, keeps_distances,
 };
-use super::kernels::limits::CHUNK;
 use super::kernels::reduce::{self, Together};
 use super::ranks::has_images;
 use super::snapshot::read;
 use super::{GpuEngine, Stage, failure};
+use rayon::prelude::*;
 use sphorge_engine::model::{AdaptiveSearch, Search};
 use sphorge_engine::neighbors::NeighborList;
 use sphorge_engine::persist::{Archive, ArchiveError, Persist};
@@ -140,8 +140,8 @@ impl GpuEngine {
         let place = read(&self.card, &self.columns, Group::Place)?;
         let places = |numbers: &[f32]| {
             let at = |field: usize, i: usize| f64::from(numbers[field * self.stride + i]);
-            let own = (0..self.initial.len()).map(|i| [0, 1, 2].map(|a| at(a, i) + at(3 + a, i)));
-            self.of_all_ranks(&own.collect::<Vec<Vector<f64>>>())
+            let own = (0..self.initial.len()).into_par_iter().with_min_len(1 << 10);
+            self.of_all_ranks(&own.map(|i| [0, 1, 2].map(|a| at(a, i) + at(3 + a, i))).collect::<Vec<Vector<f64>>>())
         };
         let material = SearchedMaterial {
             position: &places(&place)?,
@@ -218,7 +218,7 @@ impl GpuEngine {
 
     /// The numbers of the remaining rows, by index.
     fn of_rows(&self) -> Result<impl Fn(usize) -> Box<dyn Iterator<Item = f64>>, RunFailure> {
-        let numbers = read(&self.card, &self.columns, reduce::left(Group::Ways, self.stride / CHUNK))?;
+        let numbers = read(&self.card, &self.columns, reduce::left(Group::Ways, reduce::rows(self.stride)))?;
         let rows = numbers.len() / WAYS;
         Ok(move |k: usize| {
             let of = numbers[k * rows..(k + 1) * rows].to_vec();

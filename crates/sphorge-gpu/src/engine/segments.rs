@@ -6,8 +6,8 @@ use super::kernels::reductions;
 use super::kernels::sums::{MOST_SUMS, Portions, chunk_of};
 use super::start::motions;
 use crate::device::{Card, CardFault};
+use rayon::prelude::*;
 use sphorge_engine::{Model, Particles};
-use std::collections::BTreeMap;
 
 /// Particles of one chunk, body and prescribed motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,25 +44,47 @@ impl Segments {
     pub(super) fn of(model: &Model, p: &Particles, total: usize) -> Self {
         let chunk_length = chunk_of(total);
         let motions = motions(model, p);
-        let (mut list, mut of_particles) = (Vec::new(), Vec::with_capacity(p.len().next_multiple_of(chunk_length)));
-        for chunk in 0..p.len().div_ceil(chunk_length) {
+        let of_chunk = |chunk: usize| {
             let rows = chunk * chunk_length..((chunk + 1) * chunk_length).min(p.len());
-            let mut numbers: BTreeMap<(u32, u32), usize> = rows.clone().map(|i| ((p.body[i], motions[i]), 0)).collect();
-            for (number, ((body, motion), place)) in (list.len()..).zip(&mut numbers) {
-                *place = number;
-                list.push(Segment { chunk: chunk as u32, body: *body, motion: *motion, particles: 0, mass: 0.0 });
+            let mut kinds: Vec<(u32, u32)> = Vec::new();
+            let mut last = None;
+            for i in rows.clone() {
+                let kind = (p.body[i], motions[i]);
+                // Those beside each other mostly are of one kind.
+                if last != Some(kind) && !kinds.contains(&kind) {
+                    kinds.push(kind);
+                }
+                last = Some(kind);
             }
-            for i in rows {
-                let number = numbers[&(p.body[i], motions[i])];
+            kinds.sort_unstable();
+            let segment = |(body, motion): &(u32, u32)| Segment {
+                chunk: chunk as u32,
+                body: *body,
+                motion: *motion,
+                particles: 0,
+                mass: 0.0,
+            };
+            let mut list: Vec<Segment> = kinds.iter().map(segment).collect();
+            let number = |i: usize| {
+                let number = kinds.partition_point(|kind| *kind < (p.body[i], motions[i]));
                 list[number].particles += 1;
                 list[number].mass += p.mass[i];
-                of_particles.push(number as u32);
-            }
+                number as u32
+            };
+            let numbers: Vec<u32> = rows.map(number).collect();
+            (list, numbers)
+        };
+        let of_chunks: Vec<_> = (0..p.len().div_ceil(chunk_length)).into_par_iter().map(of_chunk).collect();
+        let (mut list, mut of_particles) = (Vec::new(), Vec::with_capacity(p.len().next_multiple_of(chunk_length)));
+        for (segments, numbers) in of_chunks {
+            let first = list.len() as u32;
+            of_particles.extend(numbers.into_iter().map(|number| first + number));
+            list.extend(segments);
         }
         of_particles.resize(of_particles.len().next_multiple_of(chunk_length), list.len() as u32);
         let mut by_id: Vec<u32> = (0..p.len() as u32).collect();
-        by_id.sort_unstable_by_key(|row| p.id[*row as usize]);
-        let ids = by_id.iter().map(|row| p.id[*row as usize]).collect();
+        by_id.par_sort_unstable_by_key(|row| p.id[*row as usize]);
+        let ids = by_id.par_iter().with_min_len(1 << 12).map(|row| p.id[*row as usize]).collect();
         Self { list, of_particles, by_id, ids, chunk: chunk_length }
     }
 

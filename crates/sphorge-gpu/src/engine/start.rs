@@ -18,6 +18,7 @@ use super::{Gpu, GpuEngine, Stage, Staged, Stages, failure};
 use crate::device::{Array, Card, CardFault};
 use crate::record::KernelFault;
 use grid::Grid;
+use rayon::prelude::*;
 use sphorge_engine::model::Dimensions;
 use sphorge_engine::neighbors::hilbert_order;
 use sphorge_engine::particles::{HistoryVariables, Permutation};
@@ -182,8 +183,9 @@ pub(super) fn grid_of(model: &Model, p: &Particles) -> Grid {
     };
     let (mut origin, mut counts) = ([0.0; 3], [1; 3]);
     for axis in 0..axes {
-        let along = || p.position.iter().map(|x| x[axis]);
-        let (low, high) = along().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        let along = || p.position.par_iter().with_min_len(1 << 12).map(|x| x[axis]);
+        let low = along().reduce(|| f64::INFINITY, f64::min);
+        let high = along().reduce(|| f64::NEG_INFINITY, f64::max);
         origin[axis] = low;
         // At least four cells along an axis, so that none is visited twice.
         counts[axis] = ((SPARE * (high - low) / edge).ceil() as u32 + 1).next_power_of_two().max(4);
@@ -191,15 +193,27 @@ pub(super) fn grid_of(model: &Model, p: &Particles) -> Grid {
     Grid { origin, reach, edge, counts }
 }
 
-/// Numbers of a group, field by field.
-pub(super) fn fill(stride: usize, fields: usize, count: usize, number: impl Fn(usize, usize) -> f64) -> Vec<f32> {
+/// Numbers of a group, field by field, of columns of whole chunks.
+pub(super) fn fill(
+    stride: usize,
+    fields: usize,
+    count: usize,
+    number: impl Fn(usize, usize) -> f64 + Sync,
+) -> Vec<f32> {
     let mut numbers = vec![0.0; stride * fields];
-    for field in 0..fields {
-        for i in 0..count {
-            numbers[field * stride + i] = number(field, i) as f32;
+    numbers.par_chunks_mut(limits::CHUNK).with_min_len(16).enumerate().for_each(|(chunk, numbers)| {
+        let (field, first) = (chunk * limits::CHUNK / stride, chunk * limits::CHUNK % stride);
+        for (i, to) in (first..count).zip(numbers) {
+            *to = number(field, i) as f32;
         }
-    }
+    });
     numbers
+}
+
+/// Numbers on the card; if all are zero, none are copied there.
+fn brought(card: &Card, numbers: &[f32]) -> Result<Array, CardFault> {
+    let is_zero = |numbers: &[f32]| numbers.iter().all(|number| number.to_bits() == 0);
+    if numbers.par_chunks(1 << 16).all(is_zero) { card.zeros(numbers.len()) } else { card.numbers(numbers) }
 }
 
 /// A number, or its rest in single precision.
@@ -210,7 +224,11 @@ pub(super) fn part(number: f64, rest: bool) -> f64 {
 
 /// Prescribed motion of every particle: its index plus one; zero for none.
 pub(super) fn motions(model: &Model, p: &Particles) -> Vec<u32> {
-    p.regions.iter().map(|regions| model.motion_of(*regions).map_or(0, |k| k as u32 + 1)).collect()
+    p.regions
+        .par_iter()
+        .with_min_len(1 << 12)
+        .map(|regions| model.motion_of(*regions).map_or(0, |k| k as u32 + 1))
+        .collect()
 }
 
 /// The initial configuration: positions, m, and volumes, m^d.
@@ -269,11 +287,11 @@ pub(super) fn make_columns(
         if group == Group::Limits {
             numbers[..limits::LIMITS * stride].fill(f32::MAX);
         }
-        columns.insert(group, card.numbers(&numbers)?);
+        columns.insert(group, brought(card, &numbers)?);
     }
     let wall_fields = (walls::FIELDS * model.walls.len()).max(1);
     columns.insert(Group::Walls, card.zeros(wall_fields * stride)?);
-    let rows = limits::rows(stride);
+    let rows = reduce::rows(stride);
     for (group, rows) in iter::once((Group::Extremes, rows)).chain(reduce::groups(Group::Extremes, rows)) {
         columns.insert(group, card.zeros(limits::EXTREMES * rows)?);
     }
@@ -296,7 +314,9 @@ pub(super) fn make_columns(
     if model.thermal.conduction {
         columns.insert(Group::HeatLaws, card.numbers(&conduction::laws(model))?);
         columns.insert(Group::Boundaries, card.numbers(&conduction::claims(model, p, stride))?);
-        columns.insert(Group::HeatExtremes, card.zeros(conduction::EXTREMES * stride / limits::CHUNK)?);
+        for (group, rows) in iter::once((Group::HeatExtremes, rows)).chain(reduce::groups(Group::HeatExtremes, rows)) {
+            columns.insert(group, card.zeros(conduction::EXTREMES * rows)?);
+        }
         if conduction::is_joined(model) {
             columns.insert(Group::Touched, card.zeros(stride)?);
         }
@@ -351,7 +371,6 @@ pub(super) fn make_columns(
         }
     }
     if keeps_lists(model) || is_shared {
-        let rows = stride / limits::CHUNK;
         for (group, rows) in iter::once((Group::Ways, rows)).chain(reduce::groups(Group::Ways, rows)) {
             columns.insert(group, card.zeros(kept::WAYS * rows)?);
         }

@@ -32,7 +32,7 @@ impl GpuEngine {
         numbers.extend(self.model.gravity);
         numbers.extend([self.kept.room, self.steps].map(f64::from));
         let ghosts_before = self.domain.as_ref().map_or(0, |domain| self.initial.len() + domain.ghosts_behind());
-        numbers.push(ghosts_before as f64);
+        numbers.extend([ghosts_before as f64, self.time + self.dt]);
         for wall in &self.model.walls {
             numbers.extend([0, 1, 2].map(|a| wall.velocity[a].integral(0.0, then)));
             numbers.extend([0, 1, 2].map(|a| wall.velocity[a].at(then)));
@@ -50,7 +50,7 @@ impl GpuEngine {
     }
 
     fn read_extremes(&mut self) -> Result<(), RunFailure> {
-        let numbers = read(&self.card, &self.columns, reduce::left(Group::Extremes, limits::rows(self.stride)))?;
+        let numbers = read(&self.card, &self.columns, reduce::left(Group::Extremes, reduce::rows(self.stride)))?;
         let rows = numbers.len() / limits::EXTREMES;
         let numbers_of = |k: usize| numbers[k * rows..(k + 1) * rows].iter().map(|number| f64::from(*number));
         for (k, extreme) in self.extremes.iter_mut().enumerate() {

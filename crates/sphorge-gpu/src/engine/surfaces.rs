@@ -4,6 +4,7 @@ use super::columns::Group;
 use super::kernels::images::Planes;
 use super::snapshot::{read, stands};
 use super::{GpuEngine, failure};
+use rayon::prelude::*;
 use sphorge_engine::RunFailure;
 use sphorge_physics::Vector;
 use sphorge_physics::surface::{NearFace, add_outward, exposed, outermost_arm};
@@ -30,7 +31,8 @@ impl GpuEngine {
         let image = |bits: u32, x: Vector<f64>| [0, 1, 2].map(|axis| planes.coordinate(bits, axis, x[axis]).0);
         let of_body = |i: usize| &model.bodies[p.body[i] as usize];
         let position = self.with_ghosts(&p.position)?;
-        let volume = self.with_ghosts(&(0..p.len()).map(|i| [p.mass[i] / p.density[i]]).collect::<Vec<_>>())?;
+        let all = || (0..p.len()).into_par_iter().with_min_len(1 << 7);
+        let volume = self.with_ghosts(&all().map(|i| [p.mass[i] / p.density[i]]).collect::<Vec<_>>())?;
         // Every neighbour as seen from a particle: its index, which axes are mirrored, and its distance vector from the
         // particle, m.
         let neighbors = |i: usize| {
@@ -50,7 +52,7 @@ impl GpuEngine {
             let is_exposed = dot(outward, outward).sqrt() > exposed(kernel, dimension, spacing, h);
             if is_exposed { outward } else { [0.0; 3] }
         };
-        let outward = self.with_ghosts(&(0..p.len()).map(outward).collect::<Vec<Vector<f64>>>())?;
+        let outward = self.with_ghosts(&all().map(outward).collect::<Vec<Vector<f64>>>())?;
         // Behind the outermost layer, from the neighbours in that layer.
         let arm = |i: usize| {
             let half = 0.5 * of_body(i).spacing;
@@ -68,8 +70,8 @@ impl GpuEngine {
         let is_met = |i: usize| model.bodies.len() > 1 || outward[i] != [0.0; 3];
         let surface: Vec<u32> = (0..p.len()).filter(|i| is_met(*i)).map(|i| i as u32).collect();
         let mut numbers = vec![0.0f32; 6 * stride];
-        for i in surface.iter().map(|i| *i as usize) {
-            let arm = arm(i);
+        let arms: Vec<Vector<f64>> = surface.par_iter().with_min_len(1 << 7).map(|i| arm(*i as usize)).collect();
+        for (i, arm) in surface.iter().map(|i| *i as usize).zip(arms) {
             for a in 0..3 {
                 numbers[a * stride + i] = outward[i][a] as f32;
                 numbers[(3 + a) * stride + i] = arm[a] as f32;

@@ -48,11 +48,11 @@ fn extent(p: &Particles, axis: usize) -> f64 {
 
 /// Runs of the two engines, and how near they must be: lengths, energies, strains.
 pub(super) fn compare(deck: &str, overrides: &[(&str, &str)], end: f64, near: f64) {
-    compare_with_springs(deck, overrides, end, near, true);
+    compare_with_noise(deck, overrides, end, near, true);
 }
 
-/// The same, of the work of the hourglass springs too where that is asked for.
-fn compare_with_springs(deck: &str, overrides: &[(&str, &str)], end: f64, near: f64, of_springs: bool) {
+/// The same, of the work of the hourglass springs, the damping of walls and their force too where that is asked for.
+fn compare_with_noise(deck: &str, overrides: &[(&str, &str)], end: f64, near: f64, of_noise: bool) {
     if card().is_none() {
         return;
     }
@@ -83,7 +83,7 @@ fn compare_with_springs(deck: &str, overrides: &[(&str, &str)], end: f64, near: 
     // Small parts of the energies, so each beside itself.
     close("viscosity", a.viscous_energy, b.viscous_energy, b.viscous_energy);
     // Springs resist what the noise of pressures drives, too.
-    if of_springs {
+    if of_noise {
         close("hourglass springs", a.hourglass_energy, b.hourglass_energy, 10.0 * b.hourglass_energy.abs());
     }
     assert!(b.viscous_energy > 1e-3 * scale, "nothing is damped");
@@ -99,10 +99,13 @@ fn compare_with_springs(deck: &str, overrides: &[(&str, &str)], end: f64, near: 
         for (heat, ours, theirs) in [
             ("friction", ours.friction_work, theirs.friction_work),
             ("damping", ours.damping_work, theirs.damping_work),
-        ] {
+        ]
+        .into_iter()
+        .filter(|(heat, ..)| of_noise || *heat == "friction")
+        {
             close(&format!("{heat} of wall {k}"), ours, theirs, 10.0 * theirs);
         }
-        for axis in 0..3 {
+        for axis in (0..3).filter(|_| of_noise) {
             let scale = b.wall_forces[k].iter().map(|f| f.abs()).sum::<f64>();
             // Forces of single particles at a wall move in 1 % of their sum.
             close("wall force", a.wall_forces[k][axis], b.wall_forces[k][axis], 10.0 * scale);
@@ -156,6 +159,11 @@ fn compare_fields_to(deck: &str, overrides: &[(&str, &str)], end: f64, near: f64
                 let (pressures, shears) = (most(&pressure), most(&shear));
                 let ratios = theirs.iter().zip(&shear);
                 ratios.map(|(ratio, shear)| near * (pressures + ratio.abs() * shears) / shear).collect()
+            }
+            // So is the angle of principal stresses.
+            "lode_angle" => {
+                let shear = components(&simulations[0].read("von_mises_stress").unwrap());
+                shear.iter().map(|of| 8.0 * near * most(&shear) / of).collect()
             }
             _ => vec![near * largest; theirs.len()],
         };
@@ -264,10 +272,11 @@ fn the_default_method_is_that_of_the_processor() {
     let moves = ("wall.0.velocity", "[\"0 m/s\", [[\"0 us\", \"0 m/s\"], [\"4 us\", \"60 m/s\"]]]");
     let falls = ("gravity", "[\"2e6 m/s^2\", \"-3e6 m/s^2\"]");
     // At 5 us what sticks and what slips is for rounding to say: the springs' work of the processor itself is 111.9 to 112.2 J/m there, by its
-    // precision and by where output cuts its steps. All else is compared there as well.
+    // precision and by where output cuts its steps, the damping of the wall 243.6 to 246.0 J/m, its force 7.016 to 7.067 MN/m. All else is compared
+    // there as well.
     let pressed = [spacing, wall, rubs, moves, falls];
     compare(IRON.0, &pressed, 3e-6, 1e-4);
-    compare_with_springs(IRON.0, &pressed, 5e-6, 1e-4, false);
+    compare_with_noise(IRON.0, &pressed, 5e-6, 1e-4, false);
     compare("taylor-bar", &[("method", "\"total-lagrangian\""), ("particles.spacing", "\"1.2 mm\"")], 8e-6, 1e-4);
 }
 
@@ -420,8 +429,12 @@ pub(super) fn conserves_and_repeats(deck: &str, overrides: &[(&str, &str)], half
     conserves_and_repeats_text(deck.name, deck.text, overrides, half);
 }
 
-/// Runs to twice a time (s), from half of it again from a saved state.
 pub(super) fn conserves_and_repeats_text(name: &str, text: &str, overrides: &[(&str, &str)], half: f64) {
+    repeats_and_conserves_to(2e-8, name, text, overrides, half);
+}
+
+/// Runs to twice a time (s), from half of it again from a saved state; and the drift that rounding may leave.
+pub(super) fn repeats_and_conserves_to(rounding: f64, name: &str, text: &str, overrides: &[(&str, &str)], half: f64) {
     if card().is_none() {
         return;
     }
@@ -444,8 +457,8 @@ pub(super) fn conserves_and_repeats_text(name: &str, text: &str, overrides: &[(&
     }
     assert_ne!(between.position, whole.position);
     let (drift, momentum) = drifts(&first, &start_of);
-    assert!(drift.abs() < 2e-8, "{drift:e}");
-    assert!(momentum < 2e-8, "{momentum:e}");
+    assert!(drift.abs() < rounding, "{drift:e}");
+    assert!(momentum < rounding, "{momentum:e}");
 }
 
 /// Total energy and momentum less what was there at first and came from outside, over these then or now, of which one may be at rest.

@@ -126,3 +126,59 @@ fn integrity_is_lost_as_on_the_processor() {
         }
     }
 }
+
+/// The laws of damage, with what follows failure.
+const BREAKS: [(&str, &[(&str, &str)]); 4] = [
+    ("{ johnson-cook = { D1 = 0.01, D2 = 0.02, D3 = -1.5, D4 = 0.01, D5 = 0.6 } }", &[("method", "total-lagrangian")]),
+    (
+        "{ cockcroft-latham = { work = \"8 MPa\" } }",
+        &[
+            ("method", "total-lagrangian"),
+            ("numerics.temperature", "energy"),
+            ("material.iron.fracture-energy", "8 kJ/m^2"),
+            ("material.iron.after-failure", "delete"),
+        ],
+    ),
+    (
+        "{ modified-mohr-coulomb = { A = \"8 GPa\", n = 0.4, c1 = 0.2, c2 = \"1 GPa\", c3 = 0.9 } }",
+        &[("method", "updated-lagrangian"), ("material.iron.after-failure", "fluid")],
+    ),
+    (
+        "{ principal-stress = { strength = \"400 MPa\" } }",
+        &[
+            ("method", "updated-lagrangian"),
+            ("numerics.integrator", "predictor-corrector"),
+            ("material.iron.softening-displacement", "30 um"),
+        ],
+    ),
+];
+
+#[test]
+fn damage_grows_and_metal_breaks_as_on_the_processor() {
+    if card().is_none() {
+        return;
+    }
+    for (law, more) in BREAKS {
+        let overrides = [&[("material.iron.damage", law), ("material.iron.spall-pressure", "50 GPa")], more].concat();
+        let [theirs, ours] = [&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| {
+            let mut simulation = start_text(kind, "torn", TORN, &overrides);
+            run(&mut simulation, 4e-6);
+            simulation
+        });
+        let [all, of_card] = [&theirs, &ours].map(|simulation| simulation.ledger().unwrap().fracture_energy);
+        assert!(all > 0.0 && (of_card / all - 1.0).abs() < 2e-3, "{law}: {of_card:e} {all:e}");
+        for field in
+            ["damage", "integrity", "fracture_energy", "failed_at", "position", "velocity", "pressure", "deviator"]
+        {
+            let [theirs, ours] = [&theirs, &ours].map(|simulation| components(&simulation.read(field).unwrap()));
+            let largest = theirs.iter().fold(0.0f64, |a, b| a.max(b.abs()));
+            let off = theirs.iter().zip(&ours).fold(0.0f64, |a, (b, c)| a.max((b - c).abs())) / largest;
+            println!("{law}: {field} {off:e} of {largest}");
+            assert!(off < 2e-3, "{law}: {field}: {off:e} of {largest}");
+            if field == "integrity" {
+                let some = |of: &dyn Fn(f64) -> bool| theirs.iter().any(|w| of(*w));
+                assert!(some(&|w| w == 0.0) && some(&|w| w > 0.0 && w < 1.0), "{law}: {theirs:?}");
+            }
+        }
+    }
+}

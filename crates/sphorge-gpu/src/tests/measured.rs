@@ -13,9 +13,10 @@ fn neighbours_of_a_step_are_those_of_all_particles() {
     if card().is_none() {
         return;
     }
-    // One row is left of the finer, several of the coarser, which needs no pass.
-    for spacing in ["\"0.6 mm\"", "\"0.9 mm\""] {
+    // What is copied back of the finer was reduced by a pass, that of the coarser was not.
+    for (spacing, is_reduced) in [("\"0.2 mm\"", true), ("\"0.9 mm\"", false)] {
         let mut simulation = start(&Gpu::default(), PLATE.0, &[("particles.spacing", spacing), PLATE.1[1]]);
+        assert_eq!(simulation.particles().unwrap().len() > 256 * 16, is_reduced);
         for _ in 0..3 {
             let pairs = simulation.step(None).unwrap().pairs;
             let particles = simulation.particles().unwrap();
@@ -33,7 +34,9 @@ fn kernels_are_timed_and_what_they_do_is_counted_and_a_run_stays_the_same() {
     let timed = Gpu { profile: Some(profile.clone()), ..Gpu::default() };
     let [plain, timed] = [Gpu::default(), timed].map(|kind| {
         let mut simulation = start(&kind, PLATE.0, PLATE.1);
-        for _ in 0..6 {
+        for step in 0..6 {
+            // In a pause nothing is timed.
+            profile.pause(step < 2);
             simulation.step(None).unwrap();
         }
         let particles = simulation.particles().unwrap();
@@ -43,8 +46,8 @@ fn kernels_are_timed_and_what_they_do_is_counted_and_a_run_stays_the_same() {
     let kernels = profile.take();
     let (count, neighbors, _) = plain;
     let forces = kernels.iter().find(|of| of.kernel == "forces").unwrap();
-    // Seven evaluations, one of which was counted instead.
-    assert_eq!(forces.launches, 6);
+    // Seven evaluations, three of them in a pause; of the others one was counted instead.
+    assert_eq!(forces.launches, 3);
     assert!(forces.seconds > 0.0);
     let work = forces.work.unwrap();
     let per_pair = work.operations / (count as f64 * neighbors);

@@ -31,6 +31,7 @@ mod periodic;
 mod ranks;
 #[cfg(feature = "device")]
 mod renewal;
+mod rounded;
 #[cfg(feature = "device")]
 mod sections;
 #[cfg(feature = "device")]

@@ -214,6 +214,15 @@ fn a_block_in_the_initial_configuration_that_is_renewed_and_steps_that_are_repea
 }
 
 #[test]
+fn a_block_that_breaks() {
+    let damage = ("material.ofhc-copper.damage", "{ cockcroft-latham = { work = \"20 MPa\" } }");
+    let energy = ("material.ofhc-copper.fracture-energy", "\"5 kJ/m^2\"");
+    let files = compare(IN_THE_INITIAL_CONFIGURATION, &[damage, energy], &[2, 4]);
+    let taken = column(&files, "fracture_energy");
+    assert!(taken.last().is_some_and(|last| *last > 100.0) && taken.is_sorted(), "{taken:?}");
+}
+
+#[test]
 fn a_failure_is_that_of_one_rank_whichever_has_the_particle() {
     // The end that is drawn away changes most; it is with the last rank.
     for changes in [

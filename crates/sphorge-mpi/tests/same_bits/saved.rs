@@ -5,19 +5,21 @@ use super::contact::CLAMP;
 use super::symmetry::CORNER;
 use super::{IN_THE_INITIAL_CONFIGURATION, led, setup};
 use sphorge::engine::persist::{Archive, ArchiveError, ByteCount, MemoryArchive};
-use sphorge::engine::{Cpu, EngineKind, FieldSource, Ledger, Simulation};
+use sphorge::engine::{Cpu, Drive, EngineKind, FieldSource, Ledger, Simulation};
 use std::collections::BTreeMap;
 
 /// A deck, changes of it, and works of which it has some.
 type Worked<'a> = (&'a str, &'a [(&'a str, &'a str)], fn(&Ledger) -> Vec<f64>);
 
 /// Heat flows, and the clamp is pressed shut and struck at once.
-const FAST: [(&str, &str); 4] = [
+const FAST: [(&str, &str); 5] = [
     ("thermal.conduction", "true"),
     // So near that particles of two bodies are neighbours in the reference configuration.
     ("body.1.shape.box.min", "[\"20.2 mm\", \"2 mm\"]"),
     ("body.1.velocity", "[\"-600 m/s\", \"60 m/s\"]"),
     ("motion.0.velocity", "[\"free\", \"-600 m/s\"]"),
+    // Steps are taken here one by one, and nobody repeats one that is too long for so hard a blow.
+    ("time.step-control.repeats", "0"),
 ];
 
 const DECKS: [Worked<'static>; 9] = [
@@ -215,4 +217,33 @@ fn a_state_that_each_rank_has_kept_is_gone_back_to_when_particles_have_moved_on_
         format!("{:?} {:?}", simulation.ledger().unwrap(), simulation.read("position").unwrap())
     });
     assert!(found == expected);
+}
+
+#[test]
+fn a_state_that_a_program_drives_is_refused_by_all_ranks() {
+    let deck = &DECKS[0];
+    let driven = {
+        let setup = setup(deck.0, deck.1);
+        let mut simulation = Simulation::start(&Cpu, setup.model, setup.particles).unwrap();
+        let forces = vec![Some([1e3, 0.0, 0.0]); simulation.model().bodies.len()];
+        let drive = Drive { forces, ..Drive::none(simulation.model()) };
+        simulation.drive(&drive).unwrap();
+        simulation.step(None).unwrap();
+        let mut state = Seen::default();
+        simulation.persist(&mut state).unwrap();
+        state
+    };
+    let (expected, plain) = after_steps(&Cpu, deck, None, 1);
+    led(2, 1, |leader| {
+        let setup = setup(deck.0, deck.1);
+        leader.take_deck("a-deck", &setup.deck_text);
+        let mut simulation = Simulation::start(leader, setup.model, setup.particles).unwrap();
+        assert!(!simulation.can_be_driven());
+        let refused = simulation.persist(&mut driven.to_load()).unwrap_err();
+        assert!(refused.to_string().contains("a program gave loads"), "{refused}");
+        // The next one is loaded all the same.
+        simulation.persist(&mut plain.to_load()).unwrap();
+        let told = format!("{:?} {:?}", simulation.ledger().unwrap(), simulation.read("position").unwrap());
+        assert!(told == expected);
+    });
 }

@@ -4,7 +4,8 @@ use super::{FacetPairLaw, FacetPress};
 use crate::time_step::oscillator_limit;
 use crate::{Numbers, Real};
 
-/// Largest eigenvalue of the mobility of faces, which are carried by `x + F arm`, times the mass of a particle.
+/// `beta`: largest eigenvalue of the mobility of faces, which are carried by `x + F arm`, times the mass of a particle, in a half space
+/// of a cubic lattice.
 pub const MOBILITY: f64 = 2.5;
 
 /// Share of the contact's stability limit that counts as that of the step, before Courant's number: half of the limit at

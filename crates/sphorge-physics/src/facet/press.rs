@@ -3,7 +3,7 @@
 use super::clip::{Line, Place, Vertex, along, clip, difference, polygon, turn};
 use super::lap::{Lap, Lapped};
 use super::spread::{NODES, Spread};
-use super::{Facet, cross};
+use super::{Facet, MOBILITY, cross};
 use crate::tensor::{apply, dot};
 use crate::time_step::oscillator_limit;
 use crate::{Dimension, Elementary, Numbers, Real, SymmetricTensor, Tensor, Vector};
@@ -61,9 +61,10 @@ impl FacetPairLaw<f64> {
         Self::of(a.half_depth / a.bulk_modulus, 2.0 * impedance, strength)
     }
 
-    /// Critical damping of the tangential spring of a cell of a body, Pa s/m: `2 sqrt(k_t rho 2 D)`.
-    pub fn critical_sliding_damping(&self, a: &FacetMaterial) -> f64 {
-        2.0 * Real::sqrt(self.tangential_stiffness * a.density * 2.0 * a.half_depth)
+    /// Damping of the tangential spring of a cell of a body, half of what is critical for the [mobility](MOBILITY) of its face, Pa s/m:
+    /// `sqrt(k_t rho 2 D/beta)`. The force lags by a step: all of it swings from step to step, without end.
+    pub fn sliding_damping(&self, a: &FacetMaterial) -> f64 {
+        Real::sqrt(self.tangential_stiffness * a.density * 2.0 * a.half_depth / MOBILITY)
     }
 
     fn of(yielding: f64, impedance: f64, strength: FacetStrength) -> Self {
@@ -211,13 +212,10 @@ impl<T: Real> FacetPress<T> {
     /// masses of the owners in m^2/kg; zero for what is rigid.
     #[inline]
     pub fn step_limit(&self, law: &FacetPairLaw<T>, area_over_mass_a: T, area_over_mass_b: T) -> T {
-        let mobility = T::of(ARM) * (area_over_mass_a + area_over_mass_b);
+        let mobility = T::of(MOBILITY) * (area_over_mass_a + area_over_mass_b);
         oscillator_limit(self.stiffness * mobility, law.damping * mobility)
     }
 }
-
-/// `beta`: largest eigenvalue of the mobility of faces, which are carried by `x + F arm`, times the mass of a particle, in a half space of a cubic lattice.
-const ARM: f64 = 2.5;
 
 impl<T: Real> Numbers<T> for FacetPress<T> {
     #[inline(always)]

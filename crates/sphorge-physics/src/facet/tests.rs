@@ -1085,9 +1085,9 @@ fn sliding_is_damped_within_the_limit_of_friction() {
     let (force, heat) = damp_sliding(&press, &LAW, 0.25, [1.8, 0.0, 2.4], v);
     assert!((force[0] + 1.5).abs() < 1e-12 && (heat - 12.5).abs() < 1e-12);
     assert_eq!(damp_sliding(&press, &LAW, 0.25, [1.0, 0.0, 0.0], [0.0, 7.0, 0.0]), ([0.0; 3], 0.0));
-    // 2 sqrt(k_t rho 2 D) = 2 sqrt(0.5 8 2).
+    // sqrt(k_t rho 2 D/beta) = sqrt(0.5 8 2/2.5).
     let material = FacetMaterial { half_depth: 1.0, density: 8.0, bulk_modulus: 1.0 };
-    assert!((LAW.critical_sliding_damping(&material) - 2.0 * 8.0f64.sqrt()).abs() < 1e-15);
+    assert!((LAW.sliding_damping(&material) - 3.2f64.sqrt()).abs() < 1e-15);
 }
 
 #[test]

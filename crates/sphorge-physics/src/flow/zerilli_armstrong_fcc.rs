@@ -1,6 +1,6 @@
 //! Zerilli–Armstrong for face-centred cubic metals.
 
-use super::strain_power::strain_power;
+use super::strain_power::strain_root;
 use super::thermal_activation::{LOWEST_RATE, RATE_SENSITIVITY, SOFTENING, ThermalActivation};
 use super::{FlowState, YieldLaw, YieldStress};
 use crate::parameter::{Bound, Parameter, PhysicalQuantity};
@@ -77,7 +77,7 @@ impl<T: Elementary> YieldLaw<T> for ZerilliArmstrongFcc<T> {
     #[inline(always)]
     fn yield_stress(&self, state: FlowState<T>, _history: &[T]) -> YieldStress<T> {
         let (factor, factor_slope) = self.activation.factor(state.temperature, state.plastic_strain_rate);
-        let (root, root_slope) = strain_power(state.plastic_strain, T::of(0.5));
+        let (root, root_slope) = strain_root(state.plastic_strain);
         YieldStress {
             value: self.athermal + self.hardening * root * factor,
             by_strain: self.hardening * root_slope * factor,

@@ -15,8 +15,11 @@ from __future__ import annotations
 from typing import Any
 
 from . import _sphorge
+from ._calibrate import Calibration, Experiment, GaussNewton, Optuna, calibrate
 from ._deck import Catalogue, Deck, decks
 from ._errors import DeckError, FolderError, InternalError, Problem, RunFailed, SphorgeError, SphorgeWarning
+from ._particles import particles
+from ._picture import Picture
 from ._run import Frame, Frames, History, Run
 from ._simulation import STOP, Simulation, State, fields
 from ._studies import Convergence, MeasureConvergence, Study, convergence, sweep
@@ -25,15 +28,20 @@ __version__: str = _sphorge.__version__
 
 __all__ = [
     "STOP",
+    "Calibration",
     "Convergence",
     "Deck",
     "DeckError",
+    "Experiment",
     "FolderError",
     "Frame",
     "Frames",
+    "GaussNewton",
     "History",
     "InternalError",
     "MeasureConvergence",
+    "Optuna",
+    "Picture",
     "Problem",
     "Run",
     "RunFailed",
@@ -42,10 +50,12 @@ __all__ = [
     "SphorgeWarning",
     "State",
     "Study",
+    "calibrate",
     "convergence",
     "decks",
     "fields",
     "materials",
+    "particles",
     "sweep",
 ]
 

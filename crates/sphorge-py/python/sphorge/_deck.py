@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from . import _sphorge, _toml
+from ._words import there_is_no, told
 
 #: Names and titles of the shipped decks.
 decks: dict[str, str] = dict(_sphorge.decks())
@@ -18,7 +19,7 @@ class Catalogue(dict[str, dict[str, Any]]):
     """Materials by name."""
 
     def __missing__(self, name: object) -> dict[str, Any]:
-        raise KeyError(f"there is no material `{name}` in the catalogue; there are: {', '.join(self)}")
+        raise KeyError(there_is_no("the catalogue has no material", name, self))
 
 
 class Deck:
@@ -30,7 +31,7 @@ class Deck:
 
     def __init__(self, source: str | os.PathLike[str] | Mapping[str, Any], *, name: str | None = None) -> None:
         if isinstance(source, Mapping):
-            self._deck = _sphorge.Deck.of_text(name or "deck", _toml.document(source))
+            self._deck = _sphorge.Deck.of_text(told(name or "deck", "the name of the deck"), _toml.document(source))
         elif isinstance(source, (str, os.PathLike)):
             text = os.fspath(source)
             if not isinstance(text, str):
@@ -47,7 +48,9 @@ class Deck:
     def from_text(cls, text: str, *, name: str = "deck") -> Deck:
         """A deck of a text in TOML."""
         deck = cls.__new__(cls)
-        deck._deck = _sphorge.Deck.of_text(name, text)
+        if not isinstance(text, str) or not isinstance(name, str):
+            raise TypeError("from_text(): the text and the name of a deck are texts")
+        deck._deck = _sphorge.Deck.of_text(told(name, "the name of the deck"), told(text, "the text of the deck"))
         return deck
 
     @property
@@ -66,13 +69,25 @@ class Deck:
         deck._deck = self._deck.copy()
         return deck
 
+    def __copy__(self) -> Deck:
+        return self.copy()
+
+    def __deepcopy__(self, memo: Any) -> Deck:
+        return self.copy()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # With the text that it was made of, whatever its file has become.
+        return _of_parts, (self._deck.name, *self._deck.source())
+
     def __getitem__(self, key: str) -> Any:
         """What the deck says at a key, such as ``deck["body.bar.velocity.1"]``; ``KeyError`` where it says nothing."""
         return json.loads(self._deck.get(key))
 
     def __setitem__(self, key: str, value: Any) -> None:
         """Sets a key, as ``--set`` does: ``deck["particles.spacing"] = "0.6 mm"``."""
-        self._deck.set(key, _toml.override(value, key))
+        if not isinstance(key, str):
+            raise TypeError(f"keys of a deck are texts, not {type(key).__name__}")
+        self._deck.set(told(key, "the key"), _toml.override(value, key))
 
     def __contains__(self, key: object) -> bool:
         try:
@@ -87,6 +102,12 @@ class Deck:
 
     def __repr__(self) -> str:
         return f"<sphorge.Deck {self.name!r}>"
+
+
+def _of_parts(name: str, path: Path | None, text: str, overrides: list[tuple[str, str]]) -> Deck:
+    deck = Deck.__new__(Deck)
+    deck._deck = _sphorge.Deck.of_parts(name, path, text, overrides)
+    return deck
 
 
 def _as_deck(deck: Deck | str | os.PathLike[str] | Mapping[str, Any]) -> Deck:

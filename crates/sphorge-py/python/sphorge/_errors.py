@@ -8,16 +8,22 @@ from typing import NamedTuple
 class SphorgeError(Exception):
     """Something that Sphorge cannot do, and what to do about it.
 
-    ``str(error)`` is what the command line prints, ``hint`` the remedy alone.
+    ``str(error)`` is what the command line prints, with the remedy, in the words of Python; ``hint`` is the remedy alone.
     """
 
     hint: str | None = None
 
     def __init__(self, text: str = "", *, hint: str | None = None, **details: object) -> None:
-        super().__init__(text)
+        super().__init__(_with_hint(text, hint))
         self.hint = hint or None
         for name, value in details.items():
             setattr(self, name, value)
+
+
+def _with_hint(text: str, hint: str | None) -> str:
+    """What a traceback shows: a text that does not say its hint, in whatever lines, with it."""
+    words = "".join(c for c in text if c.isalnum())
+    return text if not hint or "".join(c for c in hint if c.isalnum()) in words else f"{text}\n  help: {hint}"
 
 
 class Problem(NamedTuple):

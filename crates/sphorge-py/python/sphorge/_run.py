@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
-from . import _sphorge
+from . import _notebook, _sphorge
 from ._arrays import array
+from ._errors import FolderError, SphorgeError
+from ._words import Named, printable, there_is_no
 
 if TYPE_CHECKING:
     from ._arrays import Array
@@ -57,6 +60,11 @@ class Frame(Mapping[str, "Array"]):
         return [material for _, material in self._frame.bodies]
 
     @property
+    def spacings(self) -> list[float]:
+        """Particle spacing of each body, m."""
+        return self._frame.spacings
+
+    @property
     def positions(self) -> Array:
         """Positions of the particles, (particles, 3), m, in double precision."""
         return array(self._frame.positions())
@@ -74,7 +82,7 @@ class Frame(Mapping[str, "Array"]):
         try:
             return self._fields[field]
         except KeyError:
-            raise KeyError(f"the frame has no field `{field}`; it has: {', '.join(self._fields)}") from None
+            raise KeyError(there_is_no("the frame has no field", field, self._fields, "it has")) from None
 
     def __getitem__(self, field: str) -> Array:
         self._known(field)
@@ -94,6 +102,24 @@ class Frame(Mapping[str, "Array"]):
             points.point_data[field] = self[field]
         return points
 
+    def plot(self, field: str | None = None, **options: Any) -> Any:
+        """A `Picture` of a field: options are those of ``sphorge plot``, such as ``section=True`` or ``view="xz"``."""
+        from ._picture import FIELDS
+
+        run = self.path.parent.parent
+        name = field or next((name for name in FIELDS if name in self._fields), None) or next(iter(self._fields))
+        listed = [os.path.basename(path) for _, path in _sphorge.frames(run)]
+        if self.path.name not in listed:
+            raise SphorgeError(f"{self.path} is no frame of a run that can be drawn", hint="the list of the frames of a run under way is written now and then: wait for it")
+        return _draw([run], {"field": name, "frames": listed.index(self.path.name), **options})
+
+    def _repr_png_(self) -> bytes | None:
+        try:
+            picture: bytes | None = self.plot(dpi=70).data
+        except SphorgeError:
+            return None
+        return picture
+
     def __repr__(self) -> str:
         return f"<sphorge.Frame at {self.time:g} s, {self.count} particles>"
 
@@ -112,6 +138,10 @@ class Frames(Sequence[Frame]):
     def nearest(self, time: float | str) -> Frame:
         """The frame nearest to a time, in s or a text such as ``"12 us"``."""
         at = _seconds(time)
+        if not math.isfinite(at):
+            raise ValueError(f"nearest(): a finite time is needed, not {time!r}")
+        if not self._listed:
+            raise IndexError("the run has no frames yet")
         return Frame(min(self._listed, key=lambda frame: abs(frame[0] - at))[1])
 
     @overload
@@ -121,7 +151,11 @@ class Frames(Sequence[Frame]):
     def __getitem__(self, index: int | slice) -> Frame | Frames:
         if isinstance(index, slice):
             return Frames(self._listed[index])
-        return Frame(self._listed[index][1])
+        try:
+            return Frame(self._listed[index][1])
+        except IndexError:
+            there = f"from 0 to {len(self) - 1}, or from -{len(self)} to -1" if self._listed else "none yet"
+            raise IndexError(f"there is no frame {index}: its frames are {there}") from None
 
     def __len__(self) -> int:
         return len(self._listed)
@@ -131,18 +165,18 @@ class Frames(Sequence[Frame]):
 
 
 class History(Mapping[str, "Array"]):
-    """The history of a run: an array for each column, in SI, with ``units`` and ``meanings``."""
+    """The history of a run: an array for each column, in SI, with ``units`` and ``meanings``. What limited the steps, ``dt_reason``, is texts."""
 
-    def __init__(self, columns: list[tuple[str, str, str, bytearray]]) -> None:
-        self._columns = {name: array((values, "f8", 1)) for name, _, _, values in columns}
-        self.units: dict[str, str] = {name: unit for name, unit, _, _ in columns}
-        self.meanings: dict[str, str] = {name: meaning for name, _, meaning, _ in columns}
+    def __init__(self, columns: list[tuple[str, str, str, bytearray, list[str] | None]]) -> None:
+        self._columns = {name: array((values, "f8", 1)) if words is None else _texts(words) for name, _, _, values, words in columns}
+        self.units: dict[str, str] = {name: unit for name, unit, *_ in columns}
+        self.meanings: dict[str, str] = {name: meaning for name, _, meaning, *_ in columns}
 
     def __getitem__(self, column: str) -> Array:
         try:
             return self._columns[column]
         except KeyError:
-            raise KeyError(f"the history has no column `{column}`; it has: {', '.join(self._columns)}") from None
+            raise KeyError(there_is_no("the history has no column", column, self._columns, "it has")) from None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._columns)
@@ -163,6 +197,12 @@ class History(Mapping[str, "Array"]):
     def __repr__(self) -> str:
         rows = len(next(iter(self._columns.values()), []))
         return f"<sphorge.History: {rows} rows of {', '.join(self._columns)}>"
+
+
+def _texts(words: list[str]) -> Array:
+    import numpy as np
+
+    return np.array(words, dtype=str)
 
 
 class Run:
@@ -195,20 +235,24 @@ class Run:
     @property
     def measures(self) -> dict[str, float | None]:
         """Measures at the end, SI; ``measure_units`` has the units. Empty while the run has not ended: the history has them."""
-        measures: dict[str, float | None] = self._ended().get("measures", {})
-        return measures
+        return Named("measure", self._ended().get("measures", {}))
 
     @property
     def measure_units(self) -> dict[str, str]:
         """SI units of the measures."""
-        measure_units: dict[str, str] = self._ended().get("measure_units", {})
-        return measure_units
+        return Named("measure", self._ended().get("measure_units", {}))
 
     @property
     def warnings(self) -> list[dict[str, Any]]:
         """What checks have found broken."""
         warnings: list[dict[str, Any]] = self._ended().get("warnings", [])
         return warnings
+
+    @property
+    def driven(self) -> dict[str, list[str]] | None:
+        """Bodies with ``loads`` and regions with ``motions`` that a program gave, if it did: the deck alone is then another run."""
+        driven: dict[str, list[str]] | None = self._ended().get("driven")
+        return driven
 
     @property
     def history(self) -> History:
@@ -223,7 +267,34 @@ class Run:
     @property
     def deck(self) -> str:
         """Text of the deck as it was run."""
-        return (self.folder / "deck.toml").read_text(encoding="utf-8")
+        path = self.folder / "deck.toml"
+        try:
+            return path.read_text(encoding="utf-8")
+        except UnicodeDecodeError as error:
+            raise FolderError(f"{os.fspath(path)} is damaged: byte {error.start} is part of no text", hint="run the deck again") from None
+        except OSError as error:
+            raise FolderError(f"{os.fspath(path)} cannot be read: {error.strerror or error}") from error
+
+    def plot(self, field: str | Sequence[str] | None = None, **options: Any) -> Any:
+        """A `Picture`: of a field in the last frame or those of ``frames``, or of columns of the history over time.
+
+        >>> run.plot("plastic_strain", section=True, frames=["first", "last"])
+        >>> run.plot(column=["height", "width"])
+
+        Options are those of ``sphorge plot`` with ``_`` for ``-``; ``format="svg"`` draws lines that scale.
+        """
+        if field is None and "column" not in options:
+            return self.frames[-1].plot(**options)
+        return _draw([self.folder], options if field is None else {"field": field, **options})
+
+    def _repr_html_(self) -> str:
+        rows = {"folder": os.fspath(self.folder), "status": self.status}
+        units = self.measure_units
+        rows |= {name: _notebook.quantity(value, units.get(name, "")) for name, value in self.measures.items()}
+        rows |= {"driven": self._driven()} if self.driven else {}
+        rows |= {"warnings": ", ".join(str(of.get("name", "")) for of in self.warnings)} if self.warnings else {}
+        frames = self.frames
+        return _notebook.table(rows) + _notebook.image(frames[-1]._repr_png_() if len(frames) else None)
 
     def to_xarray(self, fields: Sequence[str] | None = None) -> Any:
         """All frames as an ``xarray.Dataset`` over ``time`` and ``particle``, with units in ``attrs``; of some fields, if they are named."""
@@ -245,18 +316,45 @@ class Run:
             variables[name] = (dimensions, values, {"units": frames[0].units[name]})
         return xarray.Dataset(variables, coordinates)
 
+    def to_rerun(self, path: str | os.PathLike[str], field: str = "velocity") -> Path:
+        """Writes all frames, coloured by a field, and the measures to a file of rerun (``pip install rerun-sdk``), which ``rerun FILE`` shows."""
+        from ._rerun import write
+
+        return write(self, path, field)
+
+    def _driven(self) -> str:
+        driven = self.driven or {}
+        what = {"loads": "load on", "motions": "velocity of"}
+        named = [f"{what[kind]} {', '.join(f'`{name}`' for name in names)}" for kind, names in driven.items() if names and kind in what]
+        return f"by a program: {'; '.join(named)}"
+
+    def __str__(self) -> str:
+        told = _sphorge.report(self.folder)
+        return f"{self!r}\n{told}".rstrip() if told else repr(self)
+
     def __repr__(self) -> str:
-        return f"<sphorge.Run {os.fspath(self.folder)!r}: {self.status}>"
+        driven = ", driven by a program" if self.driven else ""
+        return f"<sphorge.Run {os.fspath(self.folder)!r}: {self.status}{driven}>"
 
 
-def _needs(package: str) -> Any:
+def _draw(folders: list[Path], options: dict[str, Any]) -> Any:
+    from ._picture import draw
+
+    return draw(folders, "." + options.get("format", "png"), **options)
+
+
+def _needs(module: str, package: str | None = None) -> Any:
     import importlib
 
     try:
-        return importlib.import_module(package)
+        return importlib.import_module(module)
     except ImportError as error:
-        raise ImportError(f"this needs the package {package}: pip install {package}") from error
+        name = package or module
+        raise ImportError(f"this needs the package {name}: pip install {name}") from error
 
 
 def _seconds(time: float | str) -> float:
-    return _sphorge.quantity(time, "s") if isinstance(time, str) else float(time)
+    try:
+        return _sphorge.quantity(time, "s") if isinstance(time, str) else float(time)
+    except OverflowError:
+        raise ValueError(f"{printable(repr(time))[:40]} is too large for a time") from None

@@ -8,16 +8,18 @@ import math
 import os
 import warnings
 import weakref
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Any, TYPE_CHECKING
 
-from . import _sphorge
+from . import _notebook, _sphorge
 from ._arrays import array
 from ._deck import Deck, _as_deck
-from ._errors import SphorgeError, SphorgeWarning
+from ._errors import FolderError, RunFailed, SphorgeError, SphorgeWarning
 from ._run import Frame, Run, _seconds
+from ._words import check_threads, did_you_mean, printable, whole
 
 if TYPE_CHECKING:
     from ._arrays import Array
@@ -25,6 +27,10 @@ if TYPE_CHECKING:
 
 class _Stop:
     """The type of `STOP`."""
+
+    def __reduce__(self) -> str:
+        # The one there is, also in another process.
+        return "STOP"
 
     def __repr__(self) -> str:
         return "sphorge.STOP"
@@ -37,6 +43,14 @@ STOP = _Stop()
 fields: dict[str, tuple[str, str]] = {name: (unit, meaning) for name, unit, _, meaning in _sphorge.fields()}
 
 Callback = Callable[["State"], Any]
+
+#: More steps than a run can count.
+_MOST_STEPS = 2**62
+#: Shorter than any step, s.
+_SHORTEST = 1e-30
+
+#: SI unit of the force on a body in one, two and three dimensions.
+_FORCES = ("N/m^2", "N/m", "N")
 
 
 class State:
@@ -104,7 +118,8 @@ class Simulation:
     >>> for frame in sphorge.Simulation("iron-plate"):
     ...     print(frame.time, frame["plastic_strain"].max())
 
-    The deck is read when the simulation is made: later changes of it change nothing.
+    The deck is read when the simulation is made: later changes of it change nothing. ``ranks`` starts that many processes of this machine, which share the run; its
+    frames can be looped over, and nothing else. ``progress`` shows a bar, in notebooks unless it is ``False``.
     """
 
     def __init__(
@@ -118,10 +133,20 @@ class Simulation:
         overwrite: bool = False,
         checkpoint_minutes: float = 10.0,
         checkpoint_at_end: bool = False,
+        ranks: int | None = None,
+        progress: bool | None = None,
     ) -> None:
         deck = _as_deck(deck)
         folder = Path("out") / deck.name if out is None else Path(out)
-        _check_threads(threads)
+        threads, ranks = check_threads(threads), check_threads(ranks, "ranks")
+        if ranks is not None:
+            from ._ranks import RankedDriver
+
+            options = ["--engine", engine, *([] if device is None else ["--device", device]), *(["--overwrite"] if overwrite else [])]
+            options += [] if threads is None else ["--threads", str(threads)]
+            options += ["--checkpoint-minutes", str(checkpoint_minutes), *(["--checkpoint-at-end"] if checkpoint_at_end else [])]
+            self._begin(folder, RankedDriver(deck, folder, ranks, options), progress)
+            return
         self._begin(
             folder,
             _sphorge.Driver(
@@ -134,6 +159,7 @@ class Simulation:
                 checkpoint_minutes=checkpoint_minutes,
                 checkpoint_at_end=checkpoint_at_end,
             ),
+            progress,
         )
 
     @classmethod
@@ -146,11 +172,12 @@ class Simulation:
         device: str | None = None,
         checkpoint_minutes: float = 10.0,
         checkpoint_at_end: bool = False,
+        progress: bool | None = None,
     ) -> Simulation:
         """Goes on with the run in a folder from its last checkpoint, as ``sphorge resume`` does."""
         from ._toml import override
 
-        _check_threads(threads)
+        threads = check_threads(threads)
         simulation = cls.__new__(cls)
         overrides = [(key, override(value, key)) for key, value in (set or {}).items()]
         driver = _sphorge.Driver.resume(
@@ -161,10 +188,10 @@ class Simulation:
             checkpoint_minutes=checkpoint_minutes,
             checkpoint_at_end=checkpoint_at_end,
         )
-        simulation._begin(Path(folder), driver)
+        simulation._begin(Path(folder), driver, progress)
         return simulation
 
-    def _begin(self, folder: Path, driver: _sphorge.Driver) -> None:
+    def _begin(self, folder: Path, driver: Any, progress: bool | None) -> None:
         #: Folder of the run.
         self.folder = folder
         #: What there was to note.
@@ -176,12 +203,26 @@ class Simulation:
         self._latest = -1
         self._turn = 0
         self._every: list[_Every] = []
+        self._loads: dict[int, Callback] = {}
+        self._motions: dict[int, Callback] = {}
         self._is_calling = False
         self._has_ended = False
         self._concluded = False
         self._step, self._time, self._dt = 0, 0.0, 0.0
         _open.add(self)
         self._take(driver.news())
+        whole = driver.whole()
+        self._end: float | None = None if whole is None else whole[0]
+        self._most_steps: int | None = None if whole is None else whole[1]
+        self._can_be_driven: bool = whole is not None and whole[2][0]
+        # Bodies and motions that a program drove before the run was stopped.
+        self._were_loaded: list[bool] = [] if whole is None else whole[2][1]
+        self._were_moved: list[bool] = [] if whole is None else whole[2][2]
+        self._dimensions: int = 0 if whole is None else whole[3]
+        self._bodies: list[str] = [] if whole is None else whole[4]
+        self._regions: list[str] = [] if whole is None else whole[5]
+        shows = _notebook.is_notebook() if progress is None else bool(progress)
+        self._bar = _notebook.Bar(folder.name) if shows else None
 
     def _take(self, progress: tuple[Any, ...]) -> None:
         """Takes what the run tells."""
@@ -203,40 +244,123 @@ class Simulation:
     def _advance(self, *, step: int | None = None, frame: bool = False) -> None:
         """Goes on to a step, the next frame or the end, and calls what is due on the way."""
         self._refuse_a_callback()
+        try:
+            self._go_on(step, frame)
+        except KeyboardInterrupt:
+            # Wherever it came: the files are complete before anyone hears of it.
+            if not self._has_ended:
+                self._finish()
+            raise
+
+    def _go_on(self, step: int | None, frame: bool) -> None:
+        if not self._has_ended:
+            self._refuse_what_nobody_drives()
         while not self._has_ended:
             steps = [every.next_step for every in self._every if every.next_step is not None]
             times = [every.next_time for every in self._every if every.next_time is not None]
             if step is not None:
                 steps.append(step)
+            if self._loads or self._motions:
+                # They are asked for each step.
+                steps.append(self._step + 1)
+                self._drive()
+                if self._has_ended:
+                    return
             self._turn += 1
-            self._take(self._driver.go(step=min(steps, default=None), time=min(times, default=None), frame=frame))
+            seconds = None if self._bar is None else self._bar.INTERVAL
+            try:
+                self._take(self._driver.go(step=min(steps, default=None), time=min(times, default=None), frame=frame, seconds=seconds))
+            finally:
+                self._show()
             if self._has_ended:
                 return
             self._call()
             if self._has_ended or (step is not None and self._step >= step) or (frame and self._pending):
                 return
 
+    def _ask(self, call: Callback, what: str, read: Callable[[Any], Any] = lambda asked: asked) -> Any:
+        """Calls a function of the program, and reads what it returns; `STOP` has ended the run then."""
+        self._is_calling = True
+        try:
+            asked = call(self.state)
+            if asked is not STOP:
+                return read(asked)
+            self._is_calling = False
+            self._finish(f"{what} returned sphorge.STOP")
+            return STOP
+        except BaseException as error:
+            # The files are complete before anyone hears of it.
+            self._is_calling = False
+            self._finish(None if isinstance(error, KeyboardInterrupt) else f"{what} raised {_told(error)}")
+            raise
+        finally:
+            self._is_calling = False
+
     def _call(self) -> None:
         """Calls the callbacks that are due."""
         for every in [every for every in self._every if every.is_due(self._step, self._time)]:
-            self._is_calling = True
-            try:
-                asked = every.call(self.state)
-            except BaseException:
-                # The files are complete before anyone hears of it.
-                self._is_calling = False
-                self._finish()
-                raise
-            finally:
-                self._is_calling = False
-            if asked is STOP:
-                self._finish()
+            if self._ask(every.call, f"the callback `{_name(every.call)}`") is STOP:
                 return
 
-    def _finish(self) -> None:
-        """Ends the run where it is, which saves its state."""
+    def _refuse_what_nobody_drives(self) -> None:
+        """A run that a program drove goes on only with all of its functions."""
+        loads = [f"the load on `{self._bodies[k]}`" for k, was in enumerate(self._were_loaded) if was and k not in self._loads]
+        motions = [f"the velocity of `{self._regions[k]}`" for k, was in enumerate(self._were_moved) if was and k not in self._motions]
+        if loads or motions:
+            message = f"a program gave loads or velocities to this run, and this one does not give {', '.join(loads + motions)}"
+            raise SphorgeError(message, hint="give them by @simulation.load and @simulation.motion before it goes on")
+
+    def _drive(self) -> None:
+        """Asks for the loads and velocities of the next step."""
+        forces: list[list[float] | None] = [None] * len(self._bodies)
+        velocities: list[list[float | None] | None] = [None] * len(self._regions)
+        for body, call in self._loads.items():
+            what = f"the load on `{self._bodies[body]}`"
+            asked = self._ask(call, what, partial(self._vector, what=what, unit=_FORCES[self._dimensions - 1], may_be_free=False))
+            if asked is STOP:
+                return
+            forces[body] = asked
+        for region, call in self._motions.items():
+            what = f"the velocity of `{self._regions[region]}`"
+            asked = self._ask(call, what, partial(self._vector, what=what, unit="m/s", may_be_free=True))
+            if asked is STOP:
+                return
+            velocities[region] = asked
+        self._driver.drive(forces, velocities)
+
+    def _vector(self, of: Any, *, what: str, unit: str, may_be_free: bool) -> list[Any]:
+        """A vector that a program gives, with three components."""
+        count, is_bytes = self._dimensions, isinstance(of, (str, bytes, bytearray, memoryview))
+        of = of.tolist() if not is_bytes and callable(getattr(of, "tolist", None)) else of
+        if is_bytes or not isinstance(of, Sequence) or not count <= len(of) <= 3:
+            raise TypeError(f"{what} is a list of {count} numbers, in {unit}{', None where it is free' if may_be_free else ''}, not {of!r}")
+        components: list[Any] = []
+        for axis, value in enumerate(of):
+            if value is None and may_be_free:
+                components.append(None)
+                continue
+            try:
+                number = _sphorge.quantity(value, unit) if isinstance(value, str) else float(value)
+            except TypeError as error:
+                raise TypeError(f"{what}, {'xyz'[axis]}: {error}") from None
+            except (ValueError, OverflowError) as error:
+                raise ValueError(f"{what}, {'xyz'[axis]}: {error}") from None
+            if isinstance(value, bool) or not math.isfinite(number):
+                raise ValueError(f"{what}, {'xyz'[axis]}: {value!r} is not a finite number")
+            if axis >= count and number != 0.0:
+                raise ValueError(f"{what}, {'xyz'[axis]}: the deck has {count} dimensions")
+            components.append(number)
+        return components + [None if may_be_free else 0.0] * (3 - len(components))
+
+    def _show(self) -> None:
+        """Shows how far it is."""
+        if self._bar is not None and not self._concluded:
+            self._bar.show(self.progress, f"step {self._step}, {self._time:.4g} s", is_over=self._has_ended)
+
+    def _finish(self, by: str | None = None) -> None:
+        """Ends the run where it is, which saves its state; ``by`` is what of the program ends it, if not its user."""
         self._turn += 1
-        self._driver.stop()
+        self._driver.stop(by)
         self._take(self._driver.news())
 
     def _conclude(self) -> None:
@@ -249,7 +373,8 @@ class Simulation:
     @property
     def particles(self) -> int:
         """Number of particles."""
-        return self._driver.particles
+        count: int = self._driver.particles
+        return count
 
     @property
     def time(self) -> float:
@@ -260,6 +385,13 @@ class Simulation:
     def steps(self) -> int:
         """Steps done."""
         return self._step
+
+    @property
+    def progress(self) -> float:
+        """Share done, from 0 to 1: of the end time, or of the deck's number of steps where that comes first."""
+        shares = [self._time / self._end] if self._end else []
+        shares += [self._step / self._most_steps] if self._most_steps else []
+        return min(max(shares, default=1.0 if self._has_ended else 0.0), 1.0)
 
     @property
     def has_ended(self) -> bool:
@@ -276,7 +408,11 @@ class Simulation:
         """The summary of the run once it has ended."""
         if not self._has_ended:
             return None
-        text = self._driver.summary()
+        try:
+            text = self._driver.summary()
+        except RunFailed:
+            # Which has been raised where it failed; its summary says so, too.
+            text = _sphorge.summary(self.folder)
         return None if text is None else json.loads(text)
 
     def step(self) -> State | None:
@@ -308,23 +444,85 @@ class Simulation:
         ... def watch(state):
         ...     return sphorge.STOP if state["temperature"].max() > 900 else None
 
-        An exception that it raises ends the run as Ctrl-C does, and is passed on.
+        An exception that it raises ends the run as Ctrl-C does, and is passed on; ``stopped_by`` of the summary has its text.
         """
         if (steps is None) == (time is None):
             raise TypeError("every(): give either steps or time")
-        if steps is not None and (isinstance(steps, bool) or not isinstance(steps, int) or steps < 1):
-            raise ValueError(f"every(): steps is a whole number from 1 on, not {steps!r}")
+        self._refuse_what_is_never_called("every")
+        count = None if steps is None else whole(steps, "every(): steps", _MOST_STEPS)
         interval = None if time is None else _seconds(time)
         if interval is not None and not (math.isfinite(interval) and interval > 0):
             raise ValueError(f"every(): time is above zero, not {time!r}")
+        if interval is not None and interval < _SHORTEST:
+            raise ValueError(f"every(): time is {_SHORTEST:g} s or more, not {time!r}; steps=1 is every step")
 
         def add(call: Callback) -> Callback:
             if not callable(call):
                 raise TypeError(f"every(): {call!r} cannot be called")
-            self._every.append(_Every(call, steps, interval, self._step, self._time))
+            self._every.append(_Every(call, count, interval, self._step, self._time))
             return call
 
         return add
+
+    def load(self, body: str) -> Callable[[Callback], Callback]:
+        """Has a function called with the `State` before every step, for the force on a body in that step, N (N/m in plane strain), spread by mass.
+
+        >>> @simulation.load("bar")
+        ... def push(state):
+        ...     return [0.0, -1e6 * state.time]
+
+        It is constant within a step, and its work and impulse enter the balances of the run. A resumed run is to be given it again.
+        """
+        return self._driven_by("load", body, self._bodies, self._loads, "the deck has no body")
+
+    def motion(self, region: str) -> Callable[[Callback], Callback]:
+        """Has a function called with the `State` before every step, for the velocity of a region in that step, m/s, along each axis, ``None`` where it is free.
+
+        >>> @simulation.motion("grip")
+        ... def pull(state):
+        ...     return [None, 10.0 if state["stress"][:, 1].max() < 3e8 else 0.0]
+
+        The region is one that a ``[[motion]]`` of the deck names, whose velocity this takes the place of. It changes at the beginning of a step; the work it takes enters the balances.
+        """
+        return self._driven_by("motion", region, self._regions, self._motions, "no [[motion]] of the deck has the region")
+
+    def _refuse_what_is_never_called(self, what: str) -> None:
+        if self._has_ended:
+            raise SphorgeError(f"{what}(): the simulation has ended, so that the function would never be called", hint="give it before the first step")
+
+    def _driven_by(self, what: str, name: str, names: list[str], calls: dict[int, Callback], missing: str) -> Callable[[Callback], Callback]:
+        if not self._can_be_driven:
+            message = "this simulation takes no loads and velocities from a program"
+            raise SphorgeError(message, hint="the engine `cpu` does, in one process, of decks whose bodies can move")
+        if not isinstance(name, str):
+            raise TypeError(f"{what}(): a name is a text, not {type(name).__name__}")
+        self._refuse_what_is_never_called(what)
+        if name not in names:
+            there = f"there are: {', '.join(names)}" if names else "there are none"
+            raise SphorgeError(f"{missing} `{printable(name)}`", hint=did_you_mean(name, names) + there)
+
+        def add(call: Callback) -> Callback:
+            if not callable(call):
+                raise TypeError(f"{what}(): {call!r} cannot be called")
+            # Of two motions of one region the later in the deck holds.
+            at = len(names) - 1 - names[::-1].index(name)
+            if at in calls:
+                raise SphorgeError(f"{what}(): `{name}` has one already", hint="return the sum of both from one function")
+            calls[at] = call
+            return call
+
+        return add
+
+    def _repr_html_(self) -> str:
+        rows = {"folder": os.fspath(self.folder), "step": str(self._step), "time": f"{self._time:.4g} s", "done": f"{100 * self.progress:.0f} %"}
+        if self._has_ended:
+            rows["status"] = "ended"
+        try:
+            frames = Run(self.folder).frames
+            picture = frames[-1]._repr_png_() if len(frames) else None
+        except (SphorgeError, FolderError):
+            picture = None
+        return _notebook.table(rows) + _notebook.image(picture)
 
     def __iter__(self) -> Iterator[Frame]:
         return self
@@ -346,7 +544,7 @@ class Simulation:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         if not self._has_ended:
-            self._finish()
+            self._finish(None if error is None or isinstance(error, KeyboardInterrupt) else f"the program raised {_told(error)}")
         if error is None:
             self._conclude()
 
@@ -355,9 +553,23 @@ class Simulation:
         return f"<sphorge.Simulation in {os.fspath(self.folder)!r}: {where}, step {self._step}, {self._time:g} s>"
 
 
-def _check_threads(threads: int | None) -> None:
-    if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or not 1 <= threads <= 4096):
-        raise ValueError(f"threads is a whole number from 1 to 4096, not {threads!r}")
+def _told(error: BaseException) -> str:
+    """An exception in a line, whatever its text is made of, or where it has none."""
+    try:
+        text = printable(" ".join(str(error).split())[:500])
+    except Exception:  # noqa: BLE001 (it is told by its type alone)
+        text = ""
+    name = printable(type(error).__name__)
+    return f"{name}: {text}" if text else name
+
+
+def _name(call: Any) -> str:
+    """What a function is called."""
+    try:
+        name = getattr(call, "__name__", None)
+    except Exception:  # noqa: BLE001 (a function without a name)
+        name = None
+    return printable(name) if isinstance(name, str) else "function"
 
 
 _open: weakref.WeakSet[Simulation] = weakref.WeakSet()

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterable, Mapping
+from html import escape
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -12,9 +14,14 @@ from . import _sphorge, _toml
 from ._deck import Deck, _as_deck
 from ._errors import SphorgeError
 from ._run import Run, _needs
+from ._words import check_threads, there_is_no, whole
 
 if TYPE_CHECKING:
     from ._arrays import Array
+
+
+#: Most runs of a study.
+_MOST_RUNS = 10_000
 
 
 class Study:
@@ -36,8 +43,11 @@ class Study:
         #: Names of the measures.
         self.measures: list[str] = told["measures"]
         #: What the program told of each run that it could not make.
-        self.told: list[str | None] = told["told"]
+        self.told: list[str | None] = [line and _sphorge.words(line) for line in told["told"]]
+        #: What there was to note of each run before it was made, by its name: that its spacing does not fit a body, and with it the mass differs.
+        self.notes: dict[str, list[str]] = {run: notes for run, notes in zip(told["columns"]["run"], told["notes"]) if notes}
         self._text: str = told["text"]
+        self._parquet: bytes = told["parquet"]
 
     @property
     def runs(self) -> list[Run]:
@@ -59,11 +69,30 @@ class Study:
         """The table as ``polars.DataFrame``."""
         return _needs("polars").DataFrame(self.table)
 
+    def to_parquet(self, path: str | os.PathLike[str]) -> Path:
+        """Writes the columns of ``sweep.csv`` as Parquet; units are in the metadata of the file, as text in JSON under ``units``."""
+        to = Path(path)
+        to.write_bytes(self._parquet)
+        return to
+
+    def _repr_html_(self) -> str:
+        heads = "".join(f"<th>{escape(name)}{' / ' + escape(self.units[name]) if self.units.get(name) else ''}</th>" for name in self.table)
+
+        def cell(value: Any) -> str:
+            return f"{value:.5g}" if isinstance(value, float) else escape(str(value))
+
+        lines = "".join("<tr>" + "".join(f"<td>{cell(value)}</td>" for value in line) + "</tr>" for line in zip(*self.table.values()))
+        return f"<table><tr>{heads}</tr>{lines}</table>"
+
     def __len__(self) -> int:
         return len(self.table["run"])
 
     def __repr__(self) -> str:
-        return self._text
+        first: dict[str, str] = {}
+        for run, notes in self.notes.items():
+            for note in notes:
+                first[note] = f"{first[note]}, {run}" if note in first else run
+        return "\n".join([self._text.rstrip("\n"), *(f"note: {runs}: {note}" for note, runs in first.items())])
 
 
 class MeasureConvergence(NamedTuple):
@@ -91,7 +120,7 @@ class Convergence(Study):
         try:
             return self._measures[measure]
         except KeyError:
-            raise KeyError(f"there is no measure `{measure}`; there are: {', '.join(self._measures)}") from None
+            raise KeyError(there_is_no("there is no measure", measure, self._measures)) from None
 
 
 def _values(key: Any, values: Any) -> tuple[str, list[str]]:
@@ -99,14 +128,15 @@ def _values(key: Any, values: Any) -> tuple[str, list[str]]:
         raise TypeError(f"keys of a deck are texts, not {type(key).__name__}")
     if isinstance(values, (str, bytes, Mapping)) or not isinstance(values, Iterable):
         raise TypeError(f"the values of `{key}` are a list, not {type(values).__name__}")
-    return key, [_toml.override(_toml._plain(value), key) for value in values]
+    # Before any of them is read: there may be no end of them.
+    listed = list(islice(values, _MOST_RUNS + 1))
+    if len(listed) > _MOST_RUNS:
+        raise ValueError(f"`{key}` has more than {_MOST_RUNS} values, which are more runs than a study has")
+    return key, [_toml.override(_toml._plain(value), key) for value in listed]
 
 
 def _making(workers: int, threads: int | None) -> dict[str, Any]:
-    for name, number in (("workers", workers), ("threads", threads)):
-        if number is not None and (isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= 4096):
-            raise ValueError(f"{name} is a whole number from 1 to 4096, not {number!r}")
-    return {"jobs": workers, "threads": threads}
+    return {"jobs": whole(workers, "workers", 4096), "threads": check_threads(threads)}
 
 
 def _program() -> list[str]:

@@ -6,6 +6,8 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ._words import printable, told
+
 
 def _plain(value: Any) -> Any:
     """Arrays and numbers of numpy as those of Python."""
@@ -13,7 +15,8 @@ def _plain(value: Any) -> Any:
     return tolist() if callable(tolist) else value
 
 
-def _text(value: str) -> str:
+def _text(value: str, where: str) -> str:
+    told(value, f"`{where}`")
     # TOML knows the escape sequences of JSON; U+007F it wants escaped, too.
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
@@ -22,7 +25,7 @@ def _key(name: Any) -> str:
     if not isinstance(name, str):
         raise TypeError(f"keys of a deck are texts, not {type(name).__name__}: {name!r}")
     bare = name and all(c.isascii() and (c.isalnum() or c in "-_") for c in name)
-    return name if bare else _text(name)
+    return name if bare else _text(name, printable(name))
 
 
 def value(of: Any, where: str) -> str:
@@ -31,7 +34,7 @@ def value(of: Any, where: str) -> str:
     if isinstance(of, bool):
         return "true" if of else "false"
     if isinstance(of, str):
-        return _text(of)
+        return _text(of, where)
     if isinstance(of, int):
         return str(of)
     if isinstance(of, float):
@@ -46,7 +49,7 @@ def value(of: Any, where: str) -> str:
 
 def override(of: Any, where: str) -> str:
     """A value as ``--set`` takes it: texts without quotation marks are read as what they are."""
-    return of if isinstance(of, str) else value(of, where)
+    return told(of, f"`{where}`") if isinstance(of, str) else value(of, where)
 
 
 def document(deck: Mapping[str, Any]) -> str:

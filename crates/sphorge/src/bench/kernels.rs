@@ -1,19 +1,21 @@
 //! Kernels of a card, timed one by one.
 
 use super::StageShares;
-use super::measure::{steps, warm};
+use super::measure::steps;
 use crate::{
-    deck::Setup,
-    engine::{EngineKind, RunFailure},
+    engine::{EngineKind, RunFailure, Simulation},
+    run::repeat::Repeater,
 };
 use serde::Serialize;
 use std::sync::Arc;
 
-/// An engine that waits for each kernel of a card, and gives their times.
+/// An engine that can wait for each kernel of a card, and gives their times.
 #[derive(Clone)]
 pub struct KernelClock {
-    /// The engine.
+    /// The engine, which waits for nothing until it is told to.
     pub engine: Arc<dyn EngineKind>,
+    /// Waits for no kernel from here on, or for each.
+    pub pause: Arc<dyn Fn(bool) + Send + Sync>,
     /// Forgets what was timed so far.
     pub clear: Arc<dyn Fn() + Send + Sync>,
     /// Gives what was timed in so many steps, and forgets it.
@@ -48,16 +50,23 @@ pub struct KernelRow {
 }
 
 impl KernelClock {
-    /// Steps a model for `seconds` of wall-clock time: share of the time by stage, and kernels.
-    pub(super) fn measure(&self, setup: Setup, seconds: f64) -> Result<(StageShares, Vec<KernelRow>), RunFailure> {
+    /// Takes steps of a simulation of [`Self::engine`] for `seconds` of wall-clock time, waiting for each kernel: share of the time by stage, and
+    /// kernels.
+    pub(super) fn measure(
+        &self,
+        (repeater, simulation): (&mut Repeater, &mut Simulation),
+        seconds: f64,
+    ) -> Result<(StageShares, Vec<KernelRow>), RunFailure> {
+        (self.pause)(false);
         (self.clear)();
-        let mut simulation = warm(&*self.engine, setup)?;
         // What each kernel does is counted in one of these.
-        steps(&mut simulation, 0.0)?;
+        let counted = steps((repeater, simulation), 0.0);
         (self.clear)();
         let before = simulation.stage_seconds();
-        let measured = steps(&mut simulation, seconds)?;
+        let measured = counted.and_then(|_| steps((repeater, simulation), seconds));
         let shares = StageShares::between(before, simulation.stage_seconds());
-        Ok((shares, (self.take)(measured.steps)))
+        let kernels = (self.take)(measured.as_ref().map_or(0, |measured| measured.steps));
+        (self.pause)(true);
+        measured.map(|_| (shares, kernels))
     }
 }

@@ -1,6 +1,6 @@
 //! One measurement: warm up, step against the clock, divide.
 
-use super::{BenchRow, StageShares};
+use super::{BenchRow, KernelClock, StageShares};
 use crate::{
     deck::Setup,
     engine::{EngineKind, RunFailure, Simulation},
@@ -13,24 +13,34 @@ const WARM_UP_STEPS: u64 = 3;
 /// Fewest steps that are measured.
 const LEAST_STEPS: u64 = 5;
 
-/// Steps a model for `seconds` of wall-clock time in the present thread pool.
+/// A measurement, and why its kernels were not timed where they should have been.
+pub(super) type Timed = (BenchRow, Option<RunFailure>);
+
+/// Steps a model for `seconds` of wall-clock time in the present thread pool, and as long again with a clock for its kernels: a start can take longer
+/// than both.
 pub(super) fn measure(
-    kind: &dyn EngineKind,
+    (kind, clock): (&dyn EngineKind, Option<&KernelClock>),
     setup: Setup,
     precision: &str,
     search: &str,
     seconds: f64,
-) -> Result<BenchRow, RunFailure> {
+) -> Result<Timed, RunFailure> {
     let case = setup.model.name.clone();
     let particles = setup.particles.len();
-    let mut simulation = warm(kind, setup)?;
+    let kind = clock.map_or(kind, |clock| &*clock.engine);
+    let mut simulation = Simulation::start(kind, setup.model, setup.particles)?;
+    // One of all steps: to keep a state can take longer than a step.
+    let mut repeater = Repeater::new(&simulation);
+    for _ in 0..WARM_UP_STEPS {
+        repeater.step(&mut simulation)?;
+    }
     let before = simulation.stage_seconds();
-    let measured = steps(&mut simulation, seconds)?;
+    let measured = steps((&mut repeater, &mut simulation), seconds)?;
     let after = simulation.stage_seconds();
     let device = simulation.device();
     let parts = if device.is_some() { 1 } else { rayon::current_num_threads() };
     let per_second_per_core = 1.0 / (measured.wall_seconds * parts as f64);
-    Ok(BenchRow {
+    let mut row = BenchRow {
         case,
         precision: precision.to_owned(),
         search: search.to_owned(),
@@ -46,17 +56,17 @@ pub(super) fn measure(
         bytes_per_particle: simulation.memory_bytes() as f64 / particles.max(1) as f64,
         device,
         kernels: Vec::new(),
-    })
-}
-
-/// A simulation after the first steps.
-pub(super) fn warm(kind: &dyn EngineKind, setup: Setup) -> Result<Simulation, RunFailure> {
-    let mut simulation = Simulation::start(kind, setup.model, setup.particles)?;
-    let mut repeater = Repeater::new(&simulation);
-    for _ in 0..WARM_UP_STEPS {
-        repeater.step(&mut simulation)?;
-    }
-    Ok(simulation)
+    };
+    let of_kernels = clock.map(|clock| clock.measure((&mut repeater, &mut simulation), seconds));
+    let failure = match of_kernels {
+        Some(Ok(measured)) => {
+            (row.stage_shares, row.kernels) = measured;
+            None
+        }
+        Some(Err(failure)) => Some(failure),
+        None => None,
+    };
+    Ok((row, failure))
 }
 
 /// What steps have done.
@@ -68,9 +78,10 @@ pub(super) struct Measured {
 }
 
 /// Steps for so many seconds, and a few times at least. A step that is repeated counts as often as it is taken.
-pub(super) fn steps(simulation: &mut Simulation, seconds: f64) -> Result<Measured, RunFailure> {
-    // One of its own: it goes back behind none of the seconds that were taken before.
-    let mut repeater = Repeater::new(simulation);
+pub(super) fn steps(
+    (repeater, simulation): (&mut Repeater, &mut Simulation),
+    seconds: f64,
+) -> Result<Measured, RunFailure> {
     let start = Instant::now();
     let mut measured = Measured { steps: 0, pairs: 0, searched: 0.0, wall_seconds: 0.0 };
     while measured.steps < LEAST_STEPS || start.elapsed().as_secs_f64() < seconds {
@@ -100,7 +111,7 @@ mod tests {
             shape = { box = { min = ["0 mm", "0 mm"], max = ["10 mm", "10 mm"] } }
         "#;
         let setup = crate::deck::load_text("square", deck, &[]).unwrap();
-        let row = measure(&crate::engine::Cpu, setup, "mixed", "skin", 0.0).unwrap();
+        let (row, _) = measure((&crate::engine::Cpu, None), setup, "mixed", "skin", 0.0).unwrap();
         assert_eq!((row.case.as_str(), row.particles, row.steps), ("square", 100, LEAST_STEPS));
         // At rest every step has the same pairs.
         let ratio = row.pairs_per_second_per_core / row.particle_steps_per_second_per_core;

@@ -137,31 +137,31 @@ fn measure_cases(
                     .map(|(key, value)| (key.to_owned(), format!("\"{value}\"")));
                 let overrides: Vec<_> = options.overrides.iter().cloned().chain(own).collect();
                 let text = decks::find(case.deck).map_or("", |deck| deck.text);
-                let setup = deck::load_text(case.deck, text, &overrides).map_err(BenchError::Deck)?;
-                let dimensions = setup.model.dimensions;
+                // To fill bodies takes long; what is not measured has none.
+                let model = deck::load_text_model(case.deck, text, &overrides).map_err(BenchError::Deck)?;
+                let dimensions = model.dimensions;
                 let mut skip = |why: String| {
                     let [case, precision, search] = [case.deck, precision, search].map(str::to_owned);
                     skipped.push(Skipped { case, precision, search, why });
                 };
-                if let Err(unsupported) = options.engine.supports(&setup.model) {
+                if let Err(unsupported) = options.engine.supports(&model) {
                     skip(unsupported.what);
                     continue;
                 }
-                let measured = measure(&*options.engine, setup.clone(), precision, search, options.seconds);
-                let mut row = match measured {
-                    Ok(row) => row,
+                let setup = deck::load_text(case.deck, text, &overrides).map_err(BenchError::Deck)?;
+                let kind = (&*options.engine, options.kernels.as_ref());
+                let mut row = match measure(kind, setup, precision, search, options.seconds) {
+                    Ok((row, None)) => row,
+                    Ok((row, Some(failure))) => {
+                        skip(format!("its kernels: {failure}"));
+                        row
+                    }
                     // The others are measured all the same.
                     Err(failure) => {
                         skip(failure.to_string());
                         continue;
                     }
                 };
-                if let Some(clock) = &options.kernels {
-                    match clock.measure(setup, options.seconds) {
-                        Ok(measured) => (row.stage_shares, row.kernels) = measured,
-                        Err(failure) => skip(format!("its kernels: {failure}")),
-                    }
-                }
                 let bare = bare_loop.filter(|_| dimensions == crate::model::Dimensions::Three);
                 row.share_of_bare_loop = bare.map(|bare| {
                     row.pairs_per_second_per_core / (bare.particle_steps_per_second() * bare.mean_neighbors)

@@ -30,10 +30,13 @@
 //!   the undeformed back face: its length goes from that face to `max(x + s/2)` along the flight, its width is the reach `max(r +
 //!   s/2)` of one side plus that of the other, in space twice `max(r + s/2)`; where only one side has particles, the other is taken
 //!   to be alike. `leave-out` drops that share of the mass from the outer end before.
+//! - fragments: the particles of a body that have some integrity hang together up to `link` spacings; what hangs together and has at least
+//!   `least` particles is a fragment.
 //!
 //! Fronts, periods, reversals and extremes over time know the rows of the history, nothing between: the history interval
 //! of the deck is their resolution.
 
+mod fragments;
 mod front;
 mod perforation;
 mod period;
@@ -45,9 +48,10 @@ use crate::{
         ParticleSource, Quantity, Reduction, RunFailure,
         persist::{Archive, ArchiveError, Persist, persist_column},
     },
-    model::{Extremum, MeasureKind, Model, Perforation},
+    model::{Extremum, Material, MeasureKind, Model, Perforation},
     particles::Particles,
 };
+use fragments::Fragments;
 use front::FrontSpeed;
 use perforation::Flight;
 pub(crate) use perforation::Span;
@@ -94,7 +98,8 @@ impl Measures {
                 | MeasureKind::Mean { .. }
                 | MeasureKind::Value { .. }
                 | MeasureKind::CraterDiameter { .. }
-                | MeasureKind::Cloud { .. } => Memory::Nothing,
+                | MeasureKind::Cloud { .. }
+                | MeasureKind::Fragments { .. } => Memory::Nothing,
             },
         };
         Self {
@@ -113,8 +118,13 @@ impl Measures {
     /// # Errors
     /// The engine is lost.
     pub fn sample(&mut self, model: &Model, time: f64, source: &dyn ParticleSource) -> Result<(), RunFailure> {
-        let drawn = self.evaluators.iter().any(|evaluator| evaluator.kind.is_drawn());
-        let positions = if drawn { source.with_fields(&["position", "mass", "body"])? } else { Particles::default() };
+        let all = self.evaluators.iter().any(|evaluator| evaluator.kind.needs_positions());
+        let breaks = model.materials.iter().any(Material::breaks);
+        let fields: &[&str] = match breaks {
+            true => &["position", "mass", "body", "integrity"],
+            false => &["position", "mass", "body"],
+        };
+        let positions = if all { source.with_fields(fields)? } else { Particles::default() };
         let mut shared = Shared::default();
         for (evaluator, value) in self.evaluators.iter_mut().zip(&mut self.values) {
             let now = evaluator.sample(model, time, source, &positions, &mut shared)?;
@@ -170,7 +180,8 @@ pub(crate) fn span(kind: &MeasureKind, model: &Model, particles: &Particles) -> 
         | MeasureKind::Value { .. }
         | MeasureKind::FrontSpeed { .. }
         | MeasureKind::Period { .. }
-        | MeasureKind::ReversalTime { .. } => None,
+        | MeasureKind::ReversalTime { .. }
+        | MeasureKind::Fragments { .. } => None,
     }
 }
 
@@ -202,7 +213,9 @@ impl Evaluator {
             MeasureKind::ReversalTime { selection, axis } => {
                 Reduction::Mean { of: selection, quantity: Quantity { field: "velocity", component: Some(*axis) } }
             }
-            MeasureKind::CraterDiameter { .. } | MeasureKind::Cloud { .. } => return None,
+            MeasureKind::CraterDiameter { .. } | MeasureKind::Cloud { .. } | MeasureKind::Fragments { .. } => {
+                return None;
+            }
         })
     }
 
@@ -242,6 +255,9 @@ impl Evaluator {
             }
             (MeasureKind::Cloud { perforation, extent, leave_out }, _) => {
                 shared.flight(model, positions, perforation).cloud(*extent, *leave_out).map(|span| span.length)
+            }
+            (MeasureKind::Fragments { body, quantity, link, least }, _) => {
+                Some(Fragments::of(model, positions, *body, *link, *least).quantity(*quantity))
             }
             _ => now,
         })

@@ -26,23 +26,19 @@ impl Sets {
     }
 }
 
-/// For every particle, whether it belongs to what is left of `body`: to a fragment, joined over distances up to `link` (m), of at
-/// least a tenth of the body's mass, some of which is `in_place`. A plug that flies off whole is not.
-pub(super) fn remains(
+/// What of some particles hangs together over distances up to `link`, m: the particles, and of each who stands for what it hangs together with.
+pub(super) fn hanging_together(
     model: &Model,
     particles: &Particles,
-    body: usize,
     link: f64,
-    in_place: impl Fn(&[f64; 3]) -> bool,
-) -> Vec<bool> {
+    is_part: impl Fn(usize) -> bool,
+) -> Vec<(usize, usize)> {
     let count = model.dimensions.count();
     let cell = |p: &[f64; 3]| -> [i64; 3] {
         std::array::from_fn(|a| if a < count { (p[a] / link).floor() as i64 } else { 0 })
     };
-    let mut sorted: Vec<([i64; 3], u32)> = (0..particles.len())
-        .filter(|&i| particles.body[i] as usize == body)
-        .map(|i| (cell(&particles.position[i]), i as u32))
-        .collect();
+    let mut sorted: Vec<([i64; 3], u32)> =
+        (0..particles.len()).filter(|&i| is_part(i)).map(|i| (cell(&particles.position[i]), i as u32)).collect();
     sorted.sort_unstable();
     let mut sets = Sets { parent: (0..particles.len() as u32).collect() };
     // Rows of cells along the last axis are runs of the list: of every row beside or after its own, those within reach.
@@ -69,19 +65,30 @@ pub(super) fn remains(
             }
         }
     }
+    sorted.into_iter().map(|(_, i)| (i as usize, sets.root(i) as usize)).collect()
+}
+
+/// For every particle, whether it belongs to what is left of `body`: to a fragment, joined over distances up to `link` (m), of at
+/// least a tenth of the body's mass, some of which is `in_place`. A plug that flies off whole is not.
+pub(super) fn remains(
+    model: &Model,
+    particles: &Particles,
+    body: usize,
+    link: f64,
+    in_place: impl Fn(&[f64; 3]) -> bool,
+) -> Vec<bool> {
+    let joined = hanging_together(model, particles, link, |i| particles.body[i] as usize == body);
     let mut mass = vec![0.0; particles.len()];
     let mut stands = vec![false; particles.len()];
     let mut whole = 0.0;
-    for &(_, i) in &sorted {
-        let root = sets.root(i) as usize;
-        mass[root] += particles.mass[i as usize];
-        stands[root] |= in_place(&particles.position[i as usize]);
-        whole += particles.mass[i as usize];
+    for &(i, root) in &joined {
+        mass[root] += particles.mass[i];
+        stands[root] |= in_place(&particles.position[i]);
+        whole += particles.mass[i];
     }
     let mut left = vec![false; particles.len()];
-    for &(_, i) in &sorted {
-        let root = sets.root(i) as usize;
-        left[i as usize] = stands[root] && mass[root] >= LARGE * whole;
+    for (i, root) in joined {
+        left[i] = stands[root] && mass[root] >= LARGE * whole;
     }
     left
 }

@@ -335,3 +335,55 @@ fn pieces_of_a_plate_hang_together_in_space_too() {
     assert_eq!(remains(&model, &particles, 0, 0.15, |x| x[2] > 0.85).iter().filter(|l| **l).count(), 20);
     assert!(remains(&model, &particles, 0, 0.15, |x| x[2] > 0.95).iter().all(|l| !l));
 }
+
+/// Two bars of a metal that breaks.
+const BARS: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "100 mm" }
+time = { end = "1 us" }
+
+[material.iron]
+base = "armco-iron"
+spall-pressure = "1 GPa"
+
+[[body]]
+name = "bar"
+material = "iron"
+shape = { box = { min = [0, 0], max = ["2 m", "0.4 m"] } }
+
+[[body]]
+name = "other"
+material = "iron"
+shape = { box = { min = ["5 m", 0], max = ["6 m", "1 m"] } }
+
+[[measure]]
+name = "pieces"
+fragments = { body = "bar" }
+"#;
+
+#[test]
+fn fragments_hang_together_over_particles_with_integrity() {
+    // A bar of 20 by 4 without the last four: columns 7 and 8 are severed, and at the other end what cuts off five particles.
+    let mut particles = lattice(20, 4);
+    particles.body[76..].fill(1);
+    let severed = |i: usize| [7, 8].contains(&(i % 20)) || [37, 38, 17, 16].contains(&i) && i % 20 > 15 || i == 57;
+    let integrity: Vec<f64> = (0..80).map(|i| if severed(i) { 0.0 } else { 0.01 }).collect();
+    particles.set_column("integrity", &crate::particles::Column::Scalar(integrity.into()));
+    let of = |quantity: &str, link: f64, least: u64| {
+        let changes = [("of", quantity.to_owned()), ("link", link.to_string()), ("least", least.to_string())];
+        let changes: Vec<_> =
+            changes.into_iter().map(|(key, value)| (format!("measure.0.fragments.{key}"), value)).collect();
+        let setup = crate::deck::load_text("bars", BARS, &changes).unwrap_or_else(|report| panic!("{report:?}"));
+        let mut measures = Measures::new(&setup.model);
+        measures.sample(&setup.model, 0.0, &(&setup.model, &particles)).unwrap();
+        measures.values()[0]
+    };
+    let pieces = |link: f64, least: u64| of("number", link, least).unwrap();
+    // By straight neighbours alone: 28 on the left, 30 on the right, the five, and 13 that are severed.
+    let sizes = ["largest", "second", "loose"].map(|quantity| of(quantity, 1.05, 6).unwrap() / 2.0);
+    assert_eq!(sizes, [30.0, 28.0, 18.0]);
+    assert_eq!([1, 5, 6].map(|least| pieces(1.05, least)), [3.0, 3.0, 2.0]);
+    // Far enough all hang together, and few are no fragment.
+    assert_eq!((pieces(3.2, 1), pieces(1.05, 1000)), (1.0, 0.0));
+    close(of("loose", 1.05, 1000), 152.0);
+}

@@ -20,10 +20,14 @@ use super::{
     regular_file,
     sum::hexadecimal,
 };
-use crate::engine::persist::{Archive, ArchiveError, Parts};
+use crate::{
+    deck::without_driven_mark,
+    engine::persist::{Archive, ArchiveError, Parts},
+};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::{
+    collections::BTreeMap,
     fs::{self, File},
     io::{self, BufReader, Read, Write},
     path::{Path, PathBuf},
@@ -64,6 +68,9 @@ pub(crate) struct About {
     /// The deck of the folder it was written to, where that was still to become its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) changed_from: Option<String>,
+    /// Sums of the particles of bodies that are listed in files, by the names of the bodies.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub(crate) listed: BTreeMap<String, String>,
     /// Where the parts of other processes are.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     parts: Option<PartsRecord>,
@@ -81,7 +88,19 @@ impl About {
     pub(crate) fn new(engine: &str, deck_name: &str, step: u64, time: f64) -> Self {
         let version = env!("CARGO_PKG_VERSION").to_owned();
         let (engine, deck_name) = (engine.to_owned(), deck_name.to_owned());
-        Self { format: FORMAT, version, engine, deck_name, step, time, run: None, changed_from: None, parts: None }
+        let (run, changed_from, parts) = (None, None, None);
+        Self {
+            format: FORMAT,
+            version,
+            engine,
+            deck_name,
+            step,
+            time,
+            run,
+            changed_from,
+            listed: BTreeMap::new(),
+            parts,
+        }
     }
 }
 
@@ -151,7 +170,9 @@ impl Checkpoint {
 
     /// Whether it is of the run in a folder with that deck.
     pub(crate) fn is_of(&self, deck: &str) -> bool {
-        self.deck == deck || self.about.changed_from.as_deref() == Some(deck)
+        // The deck says that a program drives the run from its first load on, which may come later than the checkpoint.
+        let is = |known: &str| without_driven_mark(known) == without_driven_mark(deck);
+        is(&self.deck) || self.about.changed_from.as_deref().is_some_and(is)
     }
 }
 

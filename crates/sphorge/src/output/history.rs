@@ -24,7 +24,7 @@ use crate::{
         Audit, ContactLedger, Energies, HeatLedger, Ledger, LimitReason, WallLedger,
         persist::{Archive, ArchiveError, Persist, require},
     },
-    model::{Dimensions, MeasureKind, Model},
+    model::{Dimensions, FragmentQuantity, MeasureKind, Model},
     particles::find_field,
 };
 use serde::{Deserialize, Serialize};
@@ -148,6 +148,9 @@ pub(super) fn per(dimensions: Dimensions) -> &'static str {
     }
 }
 
+/// The column of words.
+pub(super) const REASON: &str = "dt_reason";
+
 /// How a column says that it is a measure.
 pub(crate) const MEASURE_MEANING: &str = "measure declared in the deck";
 
@@ -160,9 +163,12 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
     row.add("step", "", "steps done", Cell::Count(sample.step));
     row.number("dt", "s", "last time step that was not shortened to land on an output time", sample.dt);
     let reason = sample.reason.map_or(Cell::Empty, |reason| Cell::Word(reason.name()));
-    row.add("dt_reason", "", "what limited that time step", reason);
+    row.add(REASON, "", "what limited that time step", reason);
     row.energies("", &total.energies);
-    row.number("external_work", "J", "work of walls, gravity and driven regions so far", ledger.external_work);
+    let external = "work of walls, gravity, driven regions and loads of a program so far";
+    row.number("external_work", "J", external, ledger.external_work);
+    let loads = "part of the external work by loads of a program so far";
+    row.number("load_work", "J", loads, ledger.load_work);
     let mls = "energy added to the pressure field by density re-initialisation so far, without work";
     row.number("mls_energy", "J", mls, ledger.mls_energy);
     let booked = "energy added to the internal energy by the integrator so far to close the energy balance; second order in the time step";
@@ -175,6 +181,10 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
     row.number("viscous_energy", "J", viscous, ledger.viscous_energy);
     let repulsion = "work against the artificial stress so far, part of the internal energy; negative where it has driven particles apart";
     row.number("artificial_stress_energy", "J", repulsion, ledger.artificial_stress_energy);
+    if model.materials.iter().any(|material| material.damage.is_some()) {
+        let broken = "what breaking has dissipated so far, part of the internal energy: plastic work since the damage is one, and elastic energy lost with the integrity";
+        row.number("fracture_energy", "J", broken, ledger.fracture_energy);
+    }
     if model.thermal.conduction {
         let meaning = "heat that entered through all boundaries so far";
         row.number("boundary_heat", "J", meaning, ledger.boundary_heat());
@@ -199,7 +209,7 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
     row.number("energy_drift", "", drift, sample.energy_drift);
     row.vector("momentum", "kg m/s", "linear momentum", total.momentum);
     row.number("momentum_scale", "kg m/s", "sum of m |v|", total.momentum_scale);
-    let impulse = "impulse of walls, gravity and driven regions so far";
+    let impulse = "impulse of walls, gravity, driven regions and loads of a program so far";
     row.vector("external_impulse", "N s", impulse, ledger.external_impulse);
     let drift = "change of momentum minus external impulse, over the largest sum of m |v| so far";
     row.number("momentum_drift", "", drift, sample.momentum_drift);
@@ -254,7 +264,7 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
     for (measure, value) in model.measures.iter().zip(sample.measures) {
         let taken = row.cells.iter().any(|(column, _)| column.name == measure.name);
         let name = if taken { format!("measure.{}", measure.name) } else { measure.name.clone() };
-        // A measure is of a field or a length, never a sum.
+        // A measure is of a field or a length, or says of its own what it is a sum of.
         let unit = measure_unit(&measure.kind).to_owned();
         row.cells.push((HistoryColumn { name, unit, meaning: MEASURE_MEANING.into() }, (*value).into()));
     }
@@ -262,7 +272,7 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
 }
 
 /// SI unit of a measure.
-pub(crate) fn measure_unit(kind: &MeasureKind) -> &'static str {
+pub fn measure_unit(kind: &MeasureKind) -> &'static str {
     match kind {
         MeasureKind::Extent { .. }
         | MeasureKind::Diameter { .. }
@@ -272,6 +282,8 @@ pub(crate) fn measure_unit(kind: &MeasureKind) -> &'static str {
             find_field(field).map_or("", |field| field.unit)
         }
         MeasureKind::FrontSpeed { .. } => "m/s",
+        MeasureKind::Fragments { quantity: FragmentQuantity::Number, .. } => "",
+        MeasureKind::Fragments { .. } => "kg",
         MeasureKind::Period { .. } | MeasureKind::ReversalTime { .. } => "s",
     }
 }

@@ -282,6 +282,16 @@ pub(super) fn is_locked_by_another(folder: &Folder, session: &str) -> bool {
     read_owner(folder).is_some_and(|owner| owner.session != session)
 }
 
+/// Whether somebody seems to write to the folder, as far as reading tells: nothing is written, and no lock is taken that a run might want.
+pub(super) fn seems_held(folder: &Folder) -> bool {
+    let found = || {
+        let mut file = folder.open_file(LOCK).ok()?;
+        let age = SystemTime::now().duration_since(file.metadata().ok()?.modified().ok()?).unwrap_or_default();
+        Some((Owner::read(&read_text(&mut file).ok()?)?, age))
+    };
+    found().is_some_and(|(owner, age)| owner.is_alive(&Owner::own(), false, age))
+}
+
 fn is_of(folder: &Folder, identity: Identity, owner: &Owner) -> bool {
     folder.identity_of(LOCK).is_ok_and(|found| found == identity)
         && read_owner(folder).is_some_and(|found| found.session == owner.session)

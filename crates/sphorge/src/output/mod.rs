@@ -27,11 +27,12 @@ mod xml;
 
 pub use directory::RunDirectory;
 pub use error::OutputError;
-pub use history::HistoryColumn;
+pub use history::{HistoryColumn, measure_unit};
 pub use history_read::HistoryTable;
 pub use series::{SeriesEntry, read_series};
 pub use summary::{
-    AuditRecord, BodyRecord, EndReason, EnergyRecord, FailureRecord, StageSecondsRecord, Status, Summary, WarningRecord,
+    AuditRecord, BodyRecord, DrivenRecord, EndReason, EnergyRecord, FailureRecord, MemoryOf, StageSecondsRecord,
+    Status, Summary, WarningRecord,
 };
 pub use vtp::{FrameBody, FrameHeader, FrameWriter, write_frame};
 pub use vtp_read::{FrameArray, FrameColumn, FrameFile};
@@ -43,7 +44,7 @@ pub(crate) use claim::Claim;
 pub(crate) use directory::{DECK, HISTORY, SERIES, is_empty, remove_unfinished};
 pub(crate) use error::AtPath;
 pub(crate) use folder::Folder;
-pub(crate) use history::{History, HistorySample, MEASURE_MEANING, measure_unit};
+pub(crate) use history::{History, HistorySample, MEASURE_MEANING};
 pub(crate) use history_read::last_step;
 pub(crate) use mark::MARK;
 pub(crate) use pieces::{PieceRequest, write_pieces};

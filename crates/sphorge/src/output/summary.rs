@@ -55,6 +55,8 @@ pub enum EndReason {
     MaxSteps,
     /// The user.
     User,
+    /// The program that drives the run: [`Summary::stopped_by`] says how.
+    Program,
     /// A failure.
     Failure,
 }
@@ -98,6 +100,37 @@ impl fmt::Display for FailureRecord {
         }
         f.write_str(")")
     }
+}
+
+/// What a program gave to a run.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DrivenRecord {
+    /// Bodies that had a load.
+    pub loads: Vec<String>,
+    /// Regions whose velocity it prescribed.
+    pub motions: Vec<String>,
+}
+
+impl fmt::Display for DrivenRecord {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let named = |what: &str, names: &[String]| {
+            let names: Vec<_> = names.iter().map(|name| format!("`{name}`")).collect();
+            (!names.is_empty()).then(|| format!("{what} {}", names.join(", ")))
+        };
+        let parts = [named("load on", &self.loads), named("velocity of", &self.motions)];
+        write!(f, "by a program: {}", parts.into_iter().flatten().collect::<Vec<_>>().join("; "))
+    }
+}
+
+/// Whose memory a number is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MemoryOf {
+    /// That of the whole process, as the system tells it.
+    #[default]
+    Process,
+    /// That of the engine, as it counts it.
+    Engine,
 }
 
 /// What a check found broken.
@@ -199,8 +232,11 @@ pub struct EnergyRecord {
     pub elastic: f64,
     /// Plastic work done.
     pub plastic_work: f64,
-    /// Work of walls, gravity and driven regions.
+    /// Work of walls, gravity, driven regions and loads of a program.
     pub external_work: f64,
+    /// What of it is by loads of a program.
+    #[serde(default)]
+    pub load_work: f64,
     /// What the integrator booked into the internal energy so that the total closes.
     #[serde(default)]
     pub integration: f64,
@@ -281,6 +317,12 @@ pub struct Summary {
     /// Why it failed, if it did.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub failure: Option<Box<FailureRecord>>,
+    /// What of the program that drives the run ended it, if something did: a callback that raised, with the text of the exception.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub stopped_by: Option<String>,
+    /// What a program gave to the run, if it did: the deck alone is then another run.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub driven: Option<DrivenRecord>,
     /// Title of the deck.
     pub title: String,
     /// Name of the deck.
@@ -329,8 +371,11 @@ pub struct Summary {
     pub pairs_per_second: f64,
     /// Share of the particles whose neighbour lists were rebuilt, mean over the steps.
     pub searched_fraction: f64,
-    /// Largest resident memory of the process during the run; where the system does not tell, that of the engine.
+    /// Largest resident memory of the process during the run; where nobody tells, that of the engine.
     pub peak_memory_bytes: u64,
+    /// Which of both it is.
+    #[serde(default)]
+    pub peak_memory_of: MemoryOf,
     /// Memory of the engine as it counts it: columns, lists and records, the most at any row of the history.
     #[serde(default)]
     pub engine_memory_bytes: u64,
@@ -367,7 +412,7 @@ fn no_imbalance() -> f64 {
 }
 
 /// Units of the numbers of a summary by their paths; `{per}` stands for what sums over particles are per.
-const UNITS: [(&str, &str); 61] = [
+const UNITS: [(&str, &str); 62] = [
     ("format", ""),
     ("failure.step", ""),
     ("failure.time", "s"),
@@ -407,6 +452,7 @@ const UNITS: [(&str, &str); 61] = [
     ("energy.elastic", "J{per}"),
     ("energy.plastic_work", "J{per}"),
     ("energy.external_work", "J{per}"),
+    ("energy.load_work", "J{per}"),
     ("energy.integration", "J{per}"),
     ("energy.hourglass", "J{per}"),
     ("energy.hourglass_stored", "J{per}"),

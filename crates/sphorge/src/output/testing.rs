@@ -1,6 +1,6 @@
 //! A small model for tests of output and analysis.
 
-use super::{EndReason, EnergyRecord, StageSecondsRecord, Status, Summary, WarningRecord};
+use super::{EndReason, EnergyRecord, MemoryOf, StageSecondsRecord, Status, Summary, WarningRecord};
 use crate::model::{
     Body, Dimensions, Formulation, Lattice, Measure, MeasureKind, Model, Numerics, OutputControl, Search, Shape, Solid,
     TimeControl, Transform,
@@ -90,6 +90,9 @@ pub(crate) fn summary(seconds: f64) -> Summary {
         format: Summary::FORMAT,
         status: Status::Completed,
         end_reason: EndReason::EndTime,
+        stopped_by: None,
+        driven: None,
+        peak_memory_of: MemoryOf::Process,
         failure: None,
         title: "A test".into(),
         deck: "test".into(),

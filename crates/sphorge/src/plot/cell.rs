@@ -1,4 +1,6 @@
-//! The deformed cell of a particle on the page: what the planes of its faces enclose.
+//! The deformed cell of a particle in a plane, on the page.
+
+use crate::cells::face_corners;
 
 /// Corners of a cell: bit `k` of a corner's number is its side along axis `k` of the cell.
 pub(super) type Corners<T> = [[T; 3]; 8];
@@ -7,11 +9,6 @@ pub(super) type Corners<T> = [[T; 3]; 8];
 const FACES: usize = 6;
 /// Faces smaller than this share of the square of the cell's size have no direction: those of a wedge at its edge.
 const LEAST_FACE: f64 = 1e-9;
-
-/// What is cut off before a plane, so that a face in it is cut, too: points of the raster.
-const ON_CUT: f64 = 1e-3;
-/// Cosine between normals from which on a face is that which is hit, or the one opposite, which is no edge of it.
-const ONE_FACE: f64 = 0.999;
 
 /// A half space `n x <= d`, `n` of length one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,21 +30,8 @@ pub(super) struct Hull {
     faces: [Option<HalfSpace>; FACES],
     /// Smallest and largest coordinates.
     pub(super) bounds: [(f64, f64); 2],
-    /// Largest coordinate towards the eye.
-    pub(super) top: f64,
     /// How far its middle is inside the faces that are seen from their edge, or all of them.
     pub(super) half_width: f64,
-}
-
-/// Where a line towards the eye leaves a hull.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Hit {
-    /// Coordinate towards the eye.
-    pub(super) depth: f64,
-    /// Of the surface there; none on the plane of a cut.
-    pub(super) normal: Option<[f64; 3]>,
-    /// Distance to the nearest of the other faces.
-    pub(super) from_edge: f64,
 }
 
 impl Hull {
@@ -63,10 +47,7 @@ impl Hull {
         };
         let size = [side(0), side(1), side(2)].map(|(low, high)| high - low).into_iter().fold(0.0, f64::max);
         let face = |number: usize| {
-            let (axis, high) = (number / 2, number % 2);
-            let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
-            let corner = |on_b: usize, on_c: usize| corners[(high << axis) | (on_b << b) | (on_c << c)];
-            let [p, q, r, s] = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
+            let [p, q, r, s] = face_corners(number).map(|k| corners[k]);
             let (first, second) = (minus(r, p), minus(s, q));
             let normal = cross(first, second);
             let length = dot(normal, normal).sqrt();
@@ -81,49 +62,13 @@ impl Hull {
         };
         let faces: [Option<HalfSpace>; FACES] = std::array::from_fn(face);
         let half_width = faces.iter().flatten().map(|face| face.depth(middle)).fold(f64::INFINITY, f64::min);
-        (half_width > 0.0 && half_width.is_finite()).then_some(Self {
-            faces,
-            bounds: [side(0), side(1)],
-            top: side(2).1,
-            half_width,
-        })
+        (half_width > 0.0 && half_width.is_finite()).then_some(Self { faces, bounds: [side(0), side(1)], half_width })
     }
 
-    /// How far inside all faces a point is, of a hull whose other faces are parallel to the page; negative outside.
+    /// How far inside all faces a point of the page is, of a hull whose other faces are parallel to the page; negative outside.
     pub(super) fn inside(&self, x: f64, y: f64) -> f64 {
         let edgewise = self.faces.iter().flatten().filter(|face| face.normal[2].abs() < 0.5);
         edgewise.map(|face| face.depth([x, y, 0.0])).fold(f64::INFINITY, f64::min)
-    }
-
-    /// Where the line through a point of the page towards the eye leaves the hull, grown by a `margin` on all sides and cut off at a plane.
-    pub(super) fn hit(&self, x: f64, y: f64, margin: f64, cut: Option<&HalfSpace>) -> Option<Hit> {
-        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut normal = [0.0; 3];
-        // A face in the plane of the cut is cut.
-        let cut = cut.into_iter().map(|cut| HalfSpace { offset: cut.offset - ON_CUT, ..*cut });
-        let grown = self.faces.iter().flatten().map(|face| HalfSpace { offset: face.offset + margin, ..*face });
-        for face in grown.chain(cut.clone()) {
-            let room = face.depth([x, y, 0.0]);
-            let slope = face.normal[2];
-            if slope.abs() < 1e-12 {
-                if room < 0.0 {
-                    return None;
-                }
-            } else if slope > 0.0 {
-                if room / slope < high {
-                    (high, normal) = (room / slope, face.normal);
-                }
-            } else {
-                low = low.max(room / slope);
-            }
-        }
-        if low > high || !high.is_finite() {
-            return None;
-        }
-        let others = self.faces.iter().flatten().filter(|face| dot(face.normal, normal).abs() < ONE_FACE);
-        let from_edge = others.map(|face| face.depth([x, y, high])).fold(f64::INFINITY, f64::min);
-        let is_cut = cut.into_iter().any(|cut| cut.normal == normal);
-        Some(Hit { depth: high, normal: (!is_cut).then_some(normal), from_edge })
     }
 }
 
@@ -131,7 +76,7 @@ pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|k| a[k] * b[k]).sum()
 }
 
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub(super) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| a[k] - b[k])
 }
 
@@ -152,30 +97,12 @@ mod tests {
     }
 
     #[test]
-    fn a_sheared_cell_is_hit_where_it_is_and_not_where_a_ball_would_be() {
+    fn a_sheared_cell_is_where_it_is_and_not_where_a_ball_would_be() {
         // Stretched to 8 along x, sheared by 2 along y.
         let hull = Hull::new(&corners([[8.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, 1.0]])).unwrap();
         assert_eq!(hull.bounds, [(5.0, 15.0), (19.5, 20.5)]);
-        let hit = hull.hit(13.5, 20.0, 0.0, None).unwrap();
-        assert_eq!((hit.depth, hit.normal), (30.5, Some([0.0, 0.0, 1.0])));
-        assert!(hull.hit(10.0, 21.0, 0.0, None).is_none() && hull.hit(14.5, 19.6, 0.0, None).is_none());
-        assert!(hull.hit(10.0, 20.6, 0.2, None).is_some());
-        assert!((hull.inside(10.0, 20.25) - 0.25).abs() < 1e-12 && hull.inside(10.0, 21.0) < 0.0);
-        // A plane across the view takes the upper half away.
-        let cut = HalfSpace { normal: [0.0, 0.0, 1.0], offset: 30.1 };
-        let hit = hull.hit(10.0, 20.0, 0.0, Some(&cut)).unwrap();
-        assert!(
-            (hit.depth - 30.1 + ON_CUT).abs() < 1e-12 && hit.normal.is_none() && (hit.from_edge - 0.5).abs() < 1e-12,
-            "{hit:?}"
-        );
-        // A face in the plane is no edge, nor is one just behind it.
-        for offset in [30.5, 29.51] {
-            let face = HalfSpace { normal: [0.0, 0.0, 1.0], offset };
-            let hit = hull.hit(10.0, 20.0, 0.0, Some(&face)).unwrap();
-            assert!(hit.normal.is_none() && (hit.from_edge - 0.5).abs() < 1e-12, "{hit:?}");
-        }
-        let none = HalfSpace { normal: [0.0, 0.0, 1.0], offset: 29.0 };
-        assert_eq!(hull.hit(10.0, 20.0, 0.0, Some(&none)), None);
+        assert!((hull.inside(10.0, 20.25) - 0.25).abs() < 1e-12 && hull.inside(13.5, 20.0) > 0.0);
+        assert!(hull.inside(10.0, 21.0) < 0.0 && hull.inside(14.5, 19.6) < 0.0);
     }
 
     #[test]
@@ -189,6 +116,6 @@ mod tests {
         }
         let hull = Hull::new(&wedge).unwrap();
         assert_eq!(hull.faces.iter().flatten().count(), 5);
-        assert!(hull.hit(10.4, 20.4, 0.0, None).is_some() && hull.hit(9.6, 20.4, 0.0, None).is_none());
+        assert!(hull.inside(10.4, 20.0) > 0.0 && hull.inside(9.6, 20.4) < 0.0);
     }
 }

@@ -1,7 +1,7 @@
 //! Colour maps.
 
 /// Red, green, blue.
-pub(super) type Rgb = [u8; 3];
+pub(crate) type Rgb = [u8; 3];
 
 /// How a value becomes a colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -50,7 +50,7 @@ const COOL_WARM: [Rgb; 9] = [
 
 impl ColorMap {
     /// Colour at `t`, clamped to 0 to 1.
-    pub(super) fn color(self, t: f64) -> Rgb {
+    pub(crate) fn color(self, t: f64) -> Rgb {
         let t = if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) };
         match self {
             Self::Viridis => polynomial(&VIRIDIS, t),
@@ -76,7 +76,7 @@ fn polynomial(coefficients: &[[f64; 3]; 7], t: f64) -> Rgb {
 }
 
 /// Line colours that the colour-blind can tell apart (Okabe & Ito 2008), the yellow left out on white.
-pub(super) const LINES: [Rgb; 7] =
+pub(crate) const LINES: [Rgb; 7] =
     [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [230, 159, 0], [86, 180, 233], [90, 90, 90]];
 
 #[cfg(test)]

@@ -11,11 +11,11 @@ use super::{
 use crate::number::{four_digits, quantity};
 
 /// Colour of a value that is not finite.
-const NO_VALUE: Rgb = [150, 150, 150];
+pub(crate) const NO_VALUE: Rgb = [150, 150, 150];
 /// Colours of a field that is zero or one.
-const FLAG_COLORS: [Rgb; 2] = [[176, 190, 204], [213, 94, 0]];
+pub(crate) const FLAG_COLORS: [Rgb; 2] = [[176, 190, 204], [213, 94, 0]];
 /// Colour of bodies that have one value everywhere: light enough for light and shade to show their shape.
-pub(super) const SINGLE_COLOR: Rgb = [126, 158, 190];
+pub(crate) const SINGLE_COLOR: Rgb = [126, 158, 190];
 const THICKNESS: f64 = 18.0;
 const SWATCH: f64 = 16.0;
 /// Room for an arrow with an extreme beyond an end of the bar.
@@ -28,7 +28,7 @@ const KEY_WIDTH: f64 = 130.0;
 const LEAST_LENGTH: f64 = 150.0;
 
 /// The colour of a body: light enough for light and shade, and to be told apart by the colour-blind (after Okabe and Ito 2008).
-fn body_color(index: usize) -> Rgb {
+pub(crate) fn body_color(index: usize) -> Rgb {
     const COLORS: [Rgb; 8] = [
         SINGLE_COLOR,
         [230, 159, 0],

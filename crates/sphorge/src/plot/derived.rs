@@ -5,7 +5,7 @@ use crate::output::{FrameColumn, FrameFile};
 
 /// A field that a frame need not have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Derived {
+pub(crate) enum Derived {
     /// From the positions in the first frame.
     Displacement,
     /// From the velocity.
@@ -27,18 +27,18 @@ impl Derived {
     }
 
     /// The field of that name, if a frame does not have it, but what it is computed from.
-    pub(super) fn of(name: &str, frame: &FrameFile) -> Option<Self> {
+    pub(crate) fn of(name: &str, frame: &FrameFile) -> Option<Self> {
         let named = Self::ALL.into_iter().find(|(_, own, of)| *own == name && Self::can(frame, name, *of));
         named.map(|(field, ..)| field)
     }
 
     /// Names of those that can be computed for a frame.
-    pub(super) fn all(frame: &FrameFile) -> impl Iterator<Item = String> {
+    pub(crate) fn all(frame: &FrameFile) -> impl Iterator<Item = String> {
         let those = Self::ALL.into_iter().filter(|(_, name, of)| Self::can(frame, name, *of));
         those.map(|(_, name, _)| name.to_owned())
     }
 
-    pub(super) fn components(self) -> &'static [&'static str] {
+    pub(crate) fn components(self) -> &'static [&'static str] {
         match self {
             Self::Displacement => &["X", "Y", "Z"],
             Self::Speed | Self::Triaxiality => &[],
@@ -46,7 +46,7 @@ impl Derived {
     }
 
     /// Its values; `start` reads where particles were in the first frame.
-    pub(super) fn column(
+    pub(crate) fn column(
         self,
         frame: &mut FrameFile,
         start: impl Fn() -> Result<Vec<[f64; 3]>, PlotError>,

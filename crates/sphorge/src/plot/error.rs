@@ -50,11 +50,30 @@ pub enum PlotError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Deck(DeckReport),
+    /// The run does not have that frame.
+    #[error("there is no frame {number}: {there}")]
+    #[diagnostic(code(sphorge::plot::frame), help("choose one of them, `first`, `last`, or a time such as \"12 us\""))]
+    Frame {
+        /// Its number.
+        number: usize,
+        /// The frames that there are.
+        there: String,
+    },
     /// There is nothing to draw.
     #[error("there is nothing to draw: {reason}")]
     #[diagnostic(code(sphorge::plot::empty))]
     Empty {
         /// What is missing.
+        reason: String,
+    },
+    /// The deck does not have the planes of symmetry in which images are to be shown.
+    #[error("there are no images to show: {reason}")]
+    #[diagnostic(
+        code(sphorge::plot::mirror),
+        help("leave out `--mirror`, or name planes by their axes: `--mirror=x,y`")
+    )]
+    Mirror {
+        /// What planes there are.
         reason: String,
     },
     /// A section is beside all bodies.
@@ -81,7 +100,7 @@ pub enum PlotError {
     },
     /// The name of the file asks for a form that is not written.
     #[error("{} is not the name of a picture", path.display())]
-    #[diagnostic(code(sphorge::plot::format), help("end it with .png or .svg"))]
+    #[diagnostic(code(sphorge::plot::format), help("end it with .png or .svg; an animation is a .png"))]
     Format {
         /// The name.
         path: PathBuf,

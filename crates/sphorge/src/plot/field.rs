@@ -128,11 +128,11 @@ impl Film {
             let chosen = chosen.collect::<Result<Vec<_>, _>>()?;
             frames.retain(|(_, file)| chosen.contains(&file.as_path()));
         }
-        let mut extent: Option<Extent> = None;
+        let mut extents = Vec::new();
         let mut cut = Ok(());
         for (k, (_, file)) in frames.iter().enumerate() {
             let panel = source.panel(file, picture)?.panel;
-            extent = extent.into_iter().chain(panel.extent()).reduce(Extent::joined);
+            extents.extend(panel.extent());
             // A plane that one frame meets is one to be seen.
             if k == 0 || cut.is_err() {
                 cut = meets([&panel]);
@@ -140,6 +140,7 @@ impl Film {
         }
         cut?;
         let title = picture.title.clone().unwrap_or_else(|| run_title(run));
+        let extent = Extent::of(&extents);
         Ok(Self { source, picture: picture.clone(), title, extent, frames, layout: None })
     }
 

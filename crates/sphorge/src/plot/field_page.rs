@@ -11,7 +11,7 @@ use super::{
     paper::Paper,
     scene::{Panel, Scene},
     spans::draw_spans,
-    splat::{Dot, splat},
+    splat::{BALL, Dot, Facet, LEAST_RADIUS, splat},
 };
 use crate::number::{four_digits, grouped, quantity, ticks};
 
@@ -295,17 +295,46 @@ fn draw_panel(page: &mut Page, scene: &Scene, k: usize, colors: &Colors, layout:
     for wall in panel.walls.iter().filter(|wall| wall.is_behind()) {
         wall.draw(page, area, on_page);
     }
-    // The nearest first: what is behind them is passed over.
-    let mut order: Vec<u32> = (0..panel.marks.len() as u32).collect();
-    if scene.look.deep {
+    let solid = &panel.solid;
+    let down = |[right, up, towards]: [f64; 3]| [right, -up, towards];
+    let corners: Vec<[f64; 3]> = solid
+        .corners
+        .iter()
+        .map(|[right, up, towards]| {
+            let (x, y) = place([*right, *up]);
+            [x, y, towards * scale]
+        })
+        .collect();
+    let facets = solid.polygons.iter().map(|polygon| {
+        let mark = &panel.marks[polygon.mark as usize];
+        Facet {
+            corners: &corners[polygon.corners.clone()],
+            outward: polygon.outward.map(down),
+            edges: polygon.edges,
+            color: colors.of(mark.value),
+            body: mark.body,
+            spacing: mark.spacing * scale,
+        }
+    });
+    let order: Vec<u32> = if scene.look.deep {
+        // Those whose cells are drawn are balls only where they stand alone and are too small to be seen.
+        let is_ball = |k: &u32| {
+            let mark = &panel.marks[*k as usize];
+            let is_small = || mark.spacing * scale < 2.0 * LEAST_RADIUS;
+            mark.cell.is_none() || is_small() && solid.alone.binary_search(k).is_ok()
+        };
+        // The nearest first: what is behind them is passed over.
+        let mut order: Vec<u32> = (0..panel.marks.len() as u32).filter(is_ball).collect();
         let depth = |k: &u32| panel.marks[*k as usize].towards;
         order.sort_unstable_by(|a, b| depth(b).total_cmp(&depth(a)).then(a.cmp(b)));
-    }
+        order
+    } else {
+        (0..panel.marks.len() as u32).collect()
+    };
     let dots = order.into_iter().map(|k| {
         let mark = &panel.marks[k as usize];
         let (x, y) = place([mark.right, mark.up]);
-        // Balls close the surface.
-        let radius = if mark.spacing * scale < 4.0 { 0.75 } else { 0.71 } * mark.spacing * scale;
+        let radius = if mark.spacing * scale < 4.0 { 0.75 } else { BALL } * mark.spacing * scale;
         let down = |[right, up, towards]: [f32; 3]| [right, -up, towards].map(|x| x * scale as f32);
         Dot {
             x,
@@ -316,7 +345,7 @@ fn draw_panel(page: &mut Page, scene: &Scene, k: usize, colors: &Colors, layout:
             light: mark.light,
             body: mark.body,
             spacing: mark.spacing * scale,
-            cell: mark.cell.map(|corners| corners.map(down)),
+            cell: mark.cell.filter(|_| !scene.look.deep).map(|corners| corners.map(down)),
         }
     });
     let cut = panel.cut.map(|HalfSpace { normal: [right, up, towards], offset }| {
@@ -324,7 +353,7 @@ fn draw_panel(page: &mut Page, scene: &Scene, k: usize, colors: &Colors, layout:
         let normal = [right, -up, towards];
         HalfSpace { normal, offset: dot(normal, [x, y, towards * offset * scale]) }
     });
-    page.image(splat(area, layout.paper.scale(), dots, scene.look.deep, cut));
+    page.image(splat(area, layout.paper.scale(), facets, dots, scene.look.deep, cut));
     for wall in panel.walls.iter().filter(|wall| !wall.is_behind()) {
         wall.draw(page, area, on_page);
     }

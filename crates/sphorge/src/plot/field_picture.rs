@@ -1,6 +1,6 @@
 //! What a picture of particles shall show.
 
-use super::{ColorMap, Condition, FrameChoice, Paper, Section, View};
+use super::{ColorMap, Condition, FrameChoice, Mirror, Paper, Section, View};
 
 /// A picture of particles; of a problem in one dimension, a curve over x for each frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,8 +17,8 @@ pub struct FieldPicture {
     pub bodies: Vec<String>,
     /// Show the particles alone that meet all of these.
     pub conditions: Vec<Condition>,
-    /// Show the images of particles in the deck's planes of symmetry too.
-    pub mirror: bool,
+    /// Show the images of particles in these planes of symmetry of the deck, too.
+    pub mirror: Option<Mirror>,
     /// Show the crater and cloud measures of the deck as lines on the particles, in views along an axis.
     pub measures: bool,
     /// Values of the ends of the colour bar (or the upright axis). If not given: the extremes shown, or where a few outliers stretch them by half
@@ -46,7 +46,7 @@ impl FieldPicture {
             section: None,
             bodies: Vec::new(),
             conditions: Vec::new(),
-            mirror: false,
+            mirror: None,
             measures: false,
             range: None,
             color_map: None,

@@ -34,7 +34,7 @@ pub(super) fn kept(
     }
     let mut kept = vec![true; frame.count];
     if !picture.bodies.is_empty() {
-        let chosen = picture.bodies.iter().map(|name| body(frame, name)).collect::<Result<Vec<_>, _>>()?;
+        let chosen = picture.bodies.iter().map(|name| body_number(frame, name)).collect::<Result<Vec<_>, _>>()?;
         let column = frame.column("body")?;
         let of = |i: usize| column.as_ref().map_or(0, |column| column.values[i] as usize);
         kept.iter_mut().enumerate().for_each(|(i, kept)| *kept = chosen.contains(&of(i)));
@@ -47,7 +47,7 @@ pub(super) fn kept(
 }
 
 /// The number of a body in a frame.
-fn body(frame: &FrameFile, name: &str) -> Result<usize, PlotError> {
+pub(crate) fn body_number(frame: &FrameFile, name: &str) -> Result<usize, PlotError> {
     let names = || frame.bodies.iter().map(|body| body.name.as_str());
     names().position(|known| known == name).ok_or_else(|| PlotError::Body {
         name: name.to_owned(),

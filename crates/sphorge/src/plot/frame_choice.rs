@@ -36,6 +36,16 @@ impl std::str::FromStr for FrameChoice {
     }
 }
 
+/// There is no frame of that number among so many.
+pub(crate) fn no_frame(number: usize, count: usize) -> PlotError {
+    let there = match count {
+        0 => "the run has none yet".to_owned(),
+        1 => "the run has frame 0 alone".to_owned(),
+        _ => format!("the run has frames 0 to {}", count - 1),
+    };
+    PlotError::Frame { number, there }
+}
+
 impl FrameChoice {
     /// The frame in a series of times and files; none if there are not so many.
     pub fn find(self, series: &[(f64, PathBuf)]) -> Option<&(f64, PathBuf)> {
@@ -48,8 +58,10 @@ impl FrameChoice {
     }
 
     /// The file of the frame.
-    pub(super) fn pick(self, series: &[(f64, PathBuf)]) -> Result<&Path, PlotError> {
-        let reason = || format!("the run has {} frames, numbered from 0", series.len());
-        self.find(series).map(|(_, path)| path.as_path()).ok_or_else(|| PlotError::Empty { reason: reason() })
+    pub(crate) fn pick(self, series: &[(f64, PathBuf)]) -> Result<&Path, PlotError> {
+        self.find(series).map(|(_, path)| path.as_path()).ok_or_else(|| match self {
+            Self::Index(number) if !series.is_empty() => no_frame(number, series.len()),
+            _ => PlotError::Empty { reason: "the run has no frame".to_owned() },
+        })
     }
 }

@@ -75,12 +75,13 @@ pub fn plot_history(run: &RunDirectory, picture: HistoryPicture, paper: Paper, t
                     ("viscous_energy", "viscosity"),
                     ("hourglass_energy", "hourglass springs"),
                     ("artificial_stress_energy", "artificial stress"),
+                    ("fracture_energy", "fracture"),
                 ],
             ),
             chart("energy drift", &[("energy_drift", "drift")]),
         ],
         HistoryPicture::Momentum => vec![
-            chart("momentum", &[("momentum_x", "x"), ("momentum_y", "y"), ("momentum_z", "z")]),
+            named(chart("momentum", &[("momentum_x", "x"), ("momentum_y", "y"), ("momentum_z", "z")])),
             chart("momentum drift", &[("momentum_drift", "drift")]),
         ],
         HistoryPicture::Measures => measure_names(&table)
@@ -96,6 +97,14 @@ pub fn plot_history(run: &RunDirectory, picture: HistoryPicture, paper: Paper, t
     let columns = if picture == HistoryPicture::Measures && charts.len() > 1 { 2 } else { 1 };
     page(&charts, columns, &run_title(run), None, paper)?.save(to)?;
     Ok(true)
+}
+
+/// A chart of components with a single curve says which it is: one curve has no legend.
+fn named(chart: Chart) -> Chart {
+    match &chart.curves[..] {
+        [only] => Chart { quantity: format!("{} {}", chart.quantity, only.name), ..chart },
+        _ => chart,
+    }
 }
 
 /// Draws columns of the history to a PNG or SVG file, those of one unit in one chart.
@@ -180,7 +189,7 @@ pub fn plot_overlay(
     page(&[chart], 1, &title_of(&runs), None, paper)?.save(to)
 }
 
-pub(super) fn unknown_column(table: &HistoryTable, name: &str) -> PlotError {
+pub(crate) fn unknown_column(table: &HistoryTable, name: &str) -> PlotError {
     let available = table.columns.iter().map(|column| column.name.as_str()).collect::<Vec<_>>().join(", ");
     let near = did_you_mean(names_like(name, table.columns.iter().map(|column| column.name.as_str())));
     PlotError::Column { name: name.to_owned(), near, available }

@@ -8,11 +8,11 @@ use rayon::prelude::*;
 use sphorge_engine::neighbors::CellGrid;
 
 /// Direction to the light: right, up, towards the eye; of length one.
-pub(super) const LIGHT: [f64; 3] = [-0.36, 0.56, 0.746];
+pub(crate) const LIGHT: [f64; 3] = [-0.36, 0.56, 0.746];
 /// Radius of the neighbourhood the normal is taken from, in spacings.
 const REACH: f64 = 1.8;
 /// Share of the light a surface turned away loses.
-const DARKEST: f64 = 0.28;
+pub(crate) const DARKEST: f64 = 0.28;
 
 /// Sets how each mark is lit.
 pub(super) fn light(marks: &mut [Mark]) {

@@ -29,6 +29,7 @@ mod pixels;
 mod save;
 mod scene;
 mod section;
+mod solid;
 mod spans;
 mod splat;
 mod standard;
@@ -46,10 +47,24 @@ pub use field_picture::FieldPicture;
 pub use filter::Condition;
 pub use frame_choice::FrameChoice;
 pub use history::{HistoryPicture, common_measures, plot_columns, plot_columns_of_runs, plot_history, plot_overlay};
+pub use mirror::Mirror;
 pub use paper::{Paper, PictureFormat};
 pub use section::Section;
 pub use standard::plot_run;
 pub use view::View;
+
+pub(crate) use color::LINES;
+pub(crate) use color_bar::{FLAG_COLORS, NO_VALUE, SINGLE_COLOR, body_color};
+pub(crate) use derived::Derived;
+pub(crate) use filter::body_number;
+pub(crate) use frame_choice::no_frame;
+pub(crate) use history::unknown_column;
+pub(crate) use light::{DARKEST, LIGHT};
+pub(crate) use mirror::mirrored;
+pub(crate) use scene::{FLAGS, Missed, cuts_something, field_label, joined_cells, missed, ranges, split, values};
+pub(crate) use standard::DEFAULT_FIELDS;
+pub(crate) use title::title_with;
+pub(crate) use view::upright;
 
 #[cfg(test)]
 mod tests;

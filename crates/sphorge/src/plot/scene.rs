@@ -2,23 +2,25 @@
 
 use super::{
     FieldPicture, PlotError, View,
-    cell::{Corners, HalfSpace, dot},
+    cell::{HalfSpace, dot},
     derived::Derived,
     filter::kept,
     light::light,
     mark::Mark,
-    mirror::{Sample, mirror},
+    mirror::{Sample, mirror, mirrored},
     section::{Section, axis_of},
+    solid::{Cells, Solid},
     spans::{NamedSpan, model_of, spans},
     view::{Projection, upright},
     walls::{Bounds, PlacedWall, walls},
 };
 use crate::{
+    cells::{JoinedCells, NONE, Nodes},
     deck::{did_you_mean, load_model, names_like},
     geometry::cell_corners,
-    model::{Formulation, Model},
+    model::{Formulation, Model, SymmetryPlane},
     number::quantity,
-    output::{FrameFile, RunDirectory, read_series},
+    output::{FrameFile, OutputError, RunDirectory, read_series},
     particles::{DEFORMATION_GRADIENT, find_field},
 };
 use std::path::{Path, PathBuf};
@@ -34,6 +36,8 @@ pub(super) struct Panel {
     /// Number of particles of the frame that are shown, images in planes of symmetry left out.
     pub(super) count: usize,
     pub(super) marks: Vec<Mark>,
+    /// Bodies in space, where the cells of particles are known.
+    pub(super) solid: Solid,
     /// The plane of a section: to the right, up, towards the eye, m.
     pub(super) cut: Option<HalfSpace>,
     /// Of a plane that was given and cuts nothing, what there is to cut.
@@ -44,8 +48,8 @@ pub(super) struct Panel {
 }
 
 /// A section beside all bodies, along its normal, m.
-#[derive(Clone, Debug)]
-struct Missed {
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Missed {
     along: String,
     place: f64,
     bodies: (f64, f64),
@@ -56,11 +60,19 @@ struct Missed {
 /// # Errors
 /// [`PlotError::Section`], which says where bodies are.
 pub(super) fn meets<'a>(panels: impl IntoIterator<Item = &'a Panel>) -> Result<(), PlotError> {
+    cuts_something(panels.into_iter().map(|panel| panel.missed.clone()))
+}
+
+/// The same of what each picture misses; none of one that the section meets.
+///
+/// # Errors
+/// [`PlotError::Section`].
+pub(crate) fn cuts_something(pictures: impl IntoIterator<Item = Option<Missed>>) -> Result<(), PlotError> {
     let mut around: Option<Missed> = None;
-    for panel in panels {
-        let Some(missed) = &panel.missed else { return Ok(()) };
+    for missed in pictures {
+        let Some(missed) = missed else { return Ok(()) };
         let bodies = around.map_or(missed.bodies, |other| wider(other.bodies, missed.bodies));
-        around = Some(Missed { bodies, ..missed.clone() });
+        around = Some(Missed { bodies, ..missed });
     }
     let Some(Missed { along, place, bodies: (low, high) }) = around else { return Ok(()) };
     let [place, low, high] = [place, low, high].map(|x| quantity(x, "m"));
@@ -68,7 +80,10 @@ pub(super) fn meets<'a>(panels: impl IntoIterator<Item = &'a Panel>) -> Result<(
 }
 
 /// Fields that are one or zero, and what zero and one mean.
-const FLAGS: [(&str, [&str; 2]); 1] = [("adapted", ["kept", "searched"])];
+pub(crate) const FLAGS: [(&str, [&str; 2]); 1] = [("adapted", ["kept", "searched"])];
+
+/// Of so many frames one may be left out at each end where limits are chosen.
+const FRAMES_LEFT_OUT: usize = 10;
 
 /// What panels have in common: what is shown, and how.
 #[derive(Clone, Copy, Debug)]
@@ -127,19 +142,36 @@ pub(super) struct Source {
     /// The deck, for walls and planes of symmetry; a run whose deck cannot be read is pictured without.
     model: Option<Model>,
     measures: bool,
-    /// Corners of the initial cells of the particles from these, m, where they follow from the deck.
-    cells: Vec<Corners<f64>>,
+    /// Cells of the particles, where they follow from the deck.
+    cells: JoinedCells,
+}
+
+/// What a picture shows of the particles that are kept.
+struct Left {
+    samples: Vec<Sample>,
+    /// How many of them are no images.
+    count: usize,
+    /// The plane of a section.
+    cut: Option<HalfSpace>,
+    /// Of one that cuts nothing.
+    missed: Option<Missed>,
+    /// Planes in which images stand, with their numbers in the deck.
+    mirrors: Vec<(usize, SymmetryPlane)>,
+    /// Number of each before the section, images of the first plane after the particles themselves, and so on.
+    numbers: Vec<usize>,
 }
 
 impl Source {
     pub(super) fn open(name: &str, run: &RunDirectory, picture: &FieldPicture) -> Result<Self, PlotError> {
         let series = read_series(run)?;
         let model = if picture.measures { Some(model_of(run)?) } else { load_model(&run.deck()).ok() };
-        if picture.mirror && model.as_ref().is_none_or(|model| model.symmetry.is_empty()) {
-            return Err(PlotError::Empty { reason: "the deck has no plane of symmetry to mirror in".to_owned() });
-        }
+        // Refuses planes that the deck does not have.
+        let _ = mirrored(model.as_ref(), picture.mirror)?;
         let is_total = |model: &&Model| matches!(model.formulation, Formulation::TotalLagrangian { .. });
-        let cells = model.as_ref().filter(is_total).map_or_else(Vec::new, cell_corners);
+        let cells = match (model.as_ref().filter(is_total), series.first()) {
+            (Some(model), Some((_, first))) => joined_cells(model, &mut FrameFile::open(first)?)?,
+            _ => JoinedCells::default(),
+        };
         Ok(Self { name: name.to_owned(), series, model, measures: picture.measures, cells })
     }
 
@@ -157,17 +189,41 @@ impl Source {
             _ => Vec::new(),
         };
         let mean = values.values.iter().sum::<f64>() / values.values.len().max(1) as f64;
-        let mut samples = samples(&mut frame, values.values, &self.cells)?;
+        let positions = frame.positions()?;
+        let gradient = frame.column(DEFORMATION_GRADIENT)?.filter(|f| f.width == 9);
+        let nodes = gradient.map_or_else(Nodes::default, |f| self.cells.at(&positions, &f.values));
+        let mut samples = samples(&mut frame, values.values, &positions, &self.cells.corners(&positions, &nodes))?;
         let kept = kept(&mut frame, picture, |frame, field| {
             let (name, component) = split(field);
             Ok(self::values(frame, name, component, field, || self.start())?.values)
         })?;
-        if let Some(kept) = kept {
-            let mut kept = kept.into_iter();
-            samples.retain(|_| kept.next().unwrap_or(false));
+        let is_kept = |i: usize| kept.as_ref().is_none_or(|kept| kept[i]);
+        let own: Vec<u32> = (0..positions.len() as u32).filter(|i| is_kept(*i as usize)).collect();
+        if kept.is_some() {
+            let mut k = 0..;
+            samples.retain(|_| k.next().is_some_and(is_kept));
         }
-        let (samples, count, cut, missed) = self.shown(samples, picture, &look);
+        let Left { samples, count, cut, missed, mirrors, numbers } = self.left(samples, picture, &look);
         let projection = view.projection();
+        let mut solid = Solid::default();
+        if look.deep && !nodes.places.is_empty() {
+            let mut marks = vec![NONE; positions.len() << mirrors.len()];
+            for (mark, number) in numbers.iter().enumerate() {
+                let (image, particle) = (number / own.len(), own[number % own.len()] as usize);
+                marks[image * positions.len() + particle] = mark as u32;
+            }
+            let spacing = samples.iter().map(|sample| sample.spacing).fold(0.0, f64::max);
+            let cells = Cells {
+                joined: &self.cells,
+                nodes: &nodes,
+                positions: &positions,
+                is_kept: kept.as_deref(),
+                mirrors: &mirrors,
+                marks: &marks,
+                cut: cut.map(|cut| (cut, spacing)),
+            };
+            solid = Solid::new(&cells, &projection);
+        }
         let placed = match (&self.model, bounds(&samples)) {
             (Some(model), Some(bounds)) => walls(model, frame.header.time, &projection, &bounds),
             _ => Vec::new(),
@@ -178,7 +234,8 @@ impl Source {
         }
         let time = frame.header.time;
         let cut = cut.map(|cut| HalfSpace { normal: projection.apply(cut.normal), ..cut });
-        let panel = Panel { name: self.name.clone(), time, mean, count, marks, cut, missed, walls: placed, spans };
+        let panel =
+            Panel { name: self.name.clone(), time, mean, count, marks, solid, cut, missed, walls: placed, spans };
         let bodies = frame.bodies.iter().map(|body| body.name.clone());
         Ok(Shown { panel, look, bodies: if picture.field == "body" { bodies.collect() } else { Vec::new() } })
     }
@@ -190,35 +247,33 @@ impl Source {
         Ok(FrameFile::open(first)?.positions()?)
     }
 
-    /// What a picture shows of the particles, how many of them are no images, the plane of its section, and whether that cuts nothing.
-    fn shown(
-        &self,
-        mut samples: Vec<Sample>,
-        picture: &FieldPicture,
-        look: &Look,
-    ) -> (Vec<Sample>, usize, Option<HalfSpace>, Option<Missed>) {
-        let planes = self.model.as_ref().map_or(&[][..], |model| &model.symmetry[..]);
+    /// What a picture shows of the particles.
+    fn left(&self, mut samples: Vec<Sample>, picture: &FieldPicture, look: &Look) -> Left {
+        let planes = mirrored(self.model.as_ref(), picture.mirror).unwrap_or_default();
         let (_, component) = split(&picture.field);
         let own = samples.len();
         let size = bounds(&samples).map_or([0.0; 3], |bounds| bounds.map(|(low, high)| high - low));
         let cut = picture.section.map(|section| (section, section.normal(look.view, size)));
         let middle = picture.section == Some(Section::Middle);
         let across = cut.and_then(|(_, normal)| axis_of(normal)).filter(|_| middle);
-        for plane in planes {
-            // A cut goes through the plane of symmetry, where the whole body has its middle.
-            if picture.mirror || across == Some(plane.axis) {
-                mirror(&mut samples, plane, component.unwrap_or_default());
-            }
+        // A cut goes through the plane of symmetry, where the whole body has its middle.
+        let is_shown = |plane: &SymmetryPlane| picture.mirror.is_some() || across == Some(plane.axis);
+        let mirrors: Vec<_> = planes.iter().copied().filter(|(_, plane)| is_shown(plane)).collect();
+        for (_, plane) in &mirrors {
+            mirror(&mut samples, plane, component.unwrap_or_default());
         }
-        let Some((section, normal)) = cut else { return (samples, own, None, None) };
-        let missed = missed(&samples, section);
+        let Some((section, normal)) = cut else {
+            let numbers = (0..samples.len()).collect();
+            return Left { samples, count: own, cut: None, missed: None, mirrors, numbers };
+        };
+        let missed = missed(samples.iter().map(|sample| (sample.position, sample.spacing)), section);
         let depth = |sample: &Sample| dot(normal, sample.position);
         let span = samples.iter().map(depth).filter(|z| z.is_finite()).map(|z| (z, z)).reduce(wider);
         let given = match section {
             Section::Across { point: Some(point), .. } => Some(dot(normal, point)),
             Section::Across { point: None, .. } | Section::Middle => {
-                let plane = across.and_then(|axis| planes.iter().find(|plane| plane.axis == axis));
-                plane.map(|plane| normal[plane.axis] * plane.position)
+                let plane = across.and_then(|axis| planes.iter().find(|(_, plane)| plane.axis == axis));
+                plane.map(|(_, plane)| normal[plane.axis] * plane.position)
             }
         };
         // The middle layer of an odd number stays.
@@ -239,8 +294,8 @@ impl Source {
         let mut shown = vec![false; own];
         kept.iter().for_each(|(k, _)| shown[k % own] = true);
         let count = shown.into_iter().filter(|shown| *shown).count();
-        let kept = kept.into_iter().map(|(_, sample)| sample).collect();
-        (kept, count, Some(HalfSpace { normal, offset }), missed)
+        let (numbers, samples) = kept.into_iter().unzip();
+        Left { samples, count, cut: Some(HalfSpace { normal, offset }), missed, mirrors, numbers }
     }
 }
 
@@ -268,8 +323,8 @@ impl Scene {
             }
         }
         meets(panels.iter().map(|shown| &shown.panel))?;
-        let extent = panels.iter().filter_map(|shown: &Shown| shown.panel.extent()).reduce(Extent::joined);
-        Self::of(panels, extent, picture)
+        let extents: Vec<Extent> = panels.iter().filter_map(|shown| shown.panel.extent()).collect();
+        Self::of(panels, Extent::of(&extents), picture)
     }
 
     /// A picture of panels at a given extent.
@@ -304,16 +359,16 @@ impl Scene {
     }
 }
 
-/// What there is to cut where a plane that was given cuts nothing.
-fn missed(samples: &[Sample], section: Section) -> Option<Missed> {
+/// What there is to cut where a plane that was given cuts nothing, of particles at places with their spacings, m.
+pub(crate) fn missed(particles: impl Iterator<Item = ([f64; 3], f64)>, section: Section) -> Option<Missed> {
     let Section::Across { normal, point: Some(point) } = section else { return None };
     let length = dot(normal, normal).sqrt();
     let normal = normal.map(|x| x / length);
-    let side = |sample: &Sample| {
-        let (middle, half) = (dot(normal, sample.position), 0.5 * sample.spacing);
-        (middle - half, middle + half)
+    let side = |(position, spacing): ([f64; 3], f64)| {
+        let middle = dot(normal, position);
+        (middle - 0.5 * spacing, middle + 0.5 * spacing)
     };
-    let bodies = samples.iter().map(side).filter(|(low, _)| low.is_finite()).reduce(wider)?;
+    let bodies = particles.map(side).filter(|(low, _)| low.is_finite()).reduce(wider)?;
     let place = dot(normal, point);
     let along = axis_of(normal).map_or("along the normal".to_owned(), |axis| ["x", "y", "z"][axis].to_owned());
     // In the direction of the axis, whatever the sign of the normal.
@@ -346,17 +401,27 @@ impl Panel {
 }
 
 impl Extent {
-    pub(super) fn joined(self, other: Self) -> Self {
-        Self {
-            extremes: wider(self.extremes, other.extremes),
-            bulk: wider(self.bulk, other.bulk),
-            window: [0, 1].map(|k| wider(self.window[k], other.window[k])),
-        }
+    /// What several panels have in common; none of none. The bulk is that of nine of ten panels: a shock that is there in a few of many
+    /// frames would leave one colour to all others.
+    pub(super) fn of(panels: &[Self]) -> Option<Self> {
+        let joined = panels.iter().copied().reduce(|a, b| Self {
+            extremes: wider(a.extremes, b.extremes),
+            bulk: wider(a.bulk, b.bulk),
+            window: [0, 1].map(|k| wider(a.window[k], b.window[k])),
+        })?;
+        let left_out = panels.len() / FRAMES_LEFT_OUT;
+        let end = |of: fn(&Self) -> f64| {
+            let mut ends: Vec<f64> = panels.iter().map(of).collect();
+            ends.sort_by(f64::total_cmp);
+            ends
+        };
+        let (lows, highs) = (end(|panel| panel.bulk.0), end(|panel| panel.bulk.1));
+        Some(Self { bulk: (lows[left_out], highs[highs.len() - 1 - left_out]), ..joined })
     }
 }
 
 /// Smallest and largest value, and the same without the outermost half percent on each side.
-fn ranges(values: &mut [f64]) -> Option<((f64, f64), (f64, f64))> {
+pub(crate) fn ranges(values: &mut [f64]) -> Option<((f64, f64), (f64, f64))> {
     let outside = values.len() / 200;
     let last = values.len().checked_sub(1)?;
     let mut at = |k: usize| *values.select_nth_unstable_by(k, f64::total_cmp).1;
@@ -373,17 +438,19 @@ fn bounds(samples: &[Sample]) -> Option<Bounds> {
 }
 
 /// Name and component of a field as it is asked for.
-fn split(field: &str) -> (&str, Option<&str>) {
+pub(crate) fn split(field: &str) -> (&str, Option<&str>) {
     field.split_once('.').map_or((field, None), |(name, component)| (name, Some(component)))
 }
 
-struct Values {
-    width: usize,
-    values: Vec<f64>,
+/// A number of each particle.
+pub(crate) struct Values {
+    /// Components that these numbers are the norm of.
+    pub(crate) width: usize,
+    pub(crate) values: Vec<f64>,
 }
 
 /// One number a particle: the component, the scalar, or the norm. `start` reads where particles were.
-fn values(
+pub(crate) fn values(
     frame: &mut FrameFile,
     name: &str,
     component: Option<&str>,
@@ -425,36 +492,39 @@ fn values(
     Ok(Values { width: if component.is_some() { 1 } else { column.width }, values })
 }
 
-fn field_label(name: &str, component: Option<&str>, is_norm: bool) -> String {
+pub(crate) fn field_label(name: &str, component: Option<&str>, is_norm: bool) -> String {
     let words = name.replace('_', " ").replace("von mises", "von Mises");
     match component {
         Some(component) => format!("{words} {}", component.to_lowercase()),
-        None if is_norm => format!("magnitude of {words}"),
+        None if is_norm => format!("{words} (magnitude)"),
         None => words,
     }
 }
 
-/// The particles of a frame, with their cells where the frame has the deformation gradient of those of the deck.
-fn samples(frame: &mut FrameFile, values: Vec<f64>, cells: &[Corners<f64>]) -> Result<Vec<Sample>, PlotError> {
-    let positions = frame.positions()?;
+/// The cells of the particles that fill the bodies of a model, which are those of its first frame.
+pub(crate) fn joined_cells(model: &Model, first: &mut FrameFile) -> Result<JoinedCells, OutputError> {
+    let start = first.positions()?;
+    let bodies = first.column("body")?.map_or_else(|| vec![0.0; start.len()], |column| column.values);
+    Ok(JoinedCells::new(&start, &cell_corners(model), &bodies, first.header.dimensions, &model.symmetry))
+}
+
+/// The particles of a frame at these positions, with the corners of their cells from there where these are known.
+fn samples(
+    frame: &mut FrameFile,
+    values: Vec<f64>,
+    positions: &[[f64; 3]],
+    corners: &[[[f32; 3]; 8]],
+) -> Result<Vec<Sample>, PlotError> {
     let bodies = frame.column("body")?.map(|column| column.values);
     let dimensions = frame.header.dimensions;
-    let gradient = frame.column(DEFORMATION_GRADIENT)?;
-    let gradient = gradient.filter(|f| f.width == 9 && cells.len() == positions.len() && dimensions > 1);
-    let gradient = gradient.map(|column| column.values);
     let spacings = &frame.header.body_spacing;
     let body = |i: usize| bodies.as_ref().map_or(0, |bodies| bodies[i] as usize);
     let spacing = |i: usize| spacings.get(body(i)).or(spacings.first()).copied().unwrap_or(0.0);
     let cell = |i: usize| {
-        let f: [f64; 9] = std::array::from_fn(|k| gradient.as_ref().map_or(0.0, |f| f64::from(f[9 * i + k])));
         let corner = |k: usize| {
             // As thick as the particles are apart where the deck has no such axis.
             let thick = |a: usize| if a < dimensions { 0.0 } else { ((k >> a & 1) as f64 - 0.5) * spacing(i) };
-            let initial = cells[i][k];
-            std::array::from_fn(|a| {
-                let deformed: f64 = (0..3).map(|b| f[3 * a + b] * initial[b]).sum();
-                (deformed + thick(a)) as f32
-            })
+            std::array::from_fn(|a| corners[i][k][a] + thick(a) as f32)
         };
         std::array::from_fn(corner)
     };
@@ -463,7 +533,25 @@ fn samples(frame: &mut FrameFile, values: Vec<f64>, cells: &[Corners<f64>]) -> R
         value,
         spacing: spacing(i),
         body: body(i).min(usize::from(u16::MAX)) as u16,
-        cell: gradient.is_some().then(|| cell(i)),
+        cell: corners.get(i).filter(|own| own.as_flattened().iter().all(|x| x.is_finite())).map(|_| cell(i)),
     };
-    Ok(positions.into_iter().zip(values).enumerate().map(sample).collect())
+    Ok(positions.iter().copied().zip(values).enumerate().map(sample).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_frame_of_ten_does_not_set_the_limits_of_all() {
+        let of = |bulk: (f64, f64)| Extent { extremes: (-9.0, bulk.1), bulk, window: [(0.0, 1.0); 2] };
+        let mut panels: Vec<Extent> = (0..20).map(|k| of((0.0, 1.0 + 0.01 * f64::from(k)))).collect();
+        (panels[3].bulk, panels[3].extremes.1) = ((-50.0, 100.0), 200.0);
+        (panels[7].bulk, panels[7].extremes.1) = ((-70.0, 90.0), 90.0);
+        let all = Extent::of(&panels).unwrap();
+        assert_eq!((all.bulk, all.extremes), ((0.0, 1.19), (-9.0, 200.0)));
+        // Of a few, each counts.
+        assert_eq!(Extent::of(&panels[..9]).unwrap().bulk, (-70.0, 100.0));
+        assert!(Extent::of(&[]).is_none());
+    }
 }

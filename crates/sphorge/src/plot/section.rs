@@ -19,7 +19,7 @@ pub enum Section {
 
 impl Section {
     /// Normal of the plane, of length one and towards the eye, and the axis it is along, if any; `size` is that of the bodies along the axes.
-    pub(super) fn normal(self, view: View, size: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn normal(self, view: View, size: [f64; 3]) -> [f64; 3] {
         let axis = |axis: usize| std::array::from_fn(|k| f64::from(u8::from(k == axis)));
         let normal = match self {
             Self::Across { normal, .. } => {

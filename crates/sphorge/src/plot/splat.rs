@@ -1,13 +1,15 @@
-//! Particles as their deformed cells, or as balls where these are unknown, nearest first, on a raster finer than the page, with an outline
-//! around what stands alone and a line between bodies.
+//! Particles as their deformed cells, in space as the polygons of bodies, or as balls where cells are unknown, on a raster finer than the page, with an
+//! outline around what stands alone and a line between bodies.
 
 use super::{
-    cell::{Corners, HalfSpace, Hit, Hull, dot},
+    cell::{Corners, HalfSpace, Hull, dot},
     color::Rgb,
-    light::LIGHT,
+    light::{DARKEST, LIGHT},
     page::{Area, Image},
 };
 
+/// Radius of a ball in spacings: balls close the surface.
+pub(super) const BALL: f64 = 0.71;
 /// Least radius of a ball, units of the page: a single particle is seen at any scale.
 pub(super) const LEAST_RADIUS: f64 = 1.3;
 /// Width of the line around bodies and single particles, and its colour: light colours do not fade into the paper.
@@ -24,12 +26,11 @@ const CELL_LINE_FROM: f64 = 2.5;
 /// Gaps between cells up to twice this share of the spacing are filled: the deformation gradients of neighbours are means over
 /// surroundings, so that their cells need not meet.
 const CLOSED: f64 = 0.2;
-/// Depth below the plane of a section, in spacings, that is flat with it.
+/// Depth below the plane of a section, in spacings, that is flat with it, and the least cosine between the plane and a face that is.
 const NEAR_CUT: f64 = 0.4;
-/// Depth of what fills gaps, before all else is.
-const BEHIND_ALL: f64 = -1e6;
-/// Depth that only what fills gaps is behind.
-const FARTHEST: f32 = -5e5;
+const ALONG_CUT: f64 = 0.8;
+/// How much nearer a point of a cut is for each point that it is away from the surface of its body: where bodies overlap, each has what is deeper in it.
+const DEEPER: f64 = 1e-3;
 
 /// A particle on the page: units from the upper left corner of its area, depth and radius too.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,6 +50,30 @@ pub(super) struct Dot {
     pub(super) cell: Option<Corners<f32>>,
 }
 
+/// A polygon of a body on the page.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Facet<'a> {
+    /// To the right, down, towards the eye: units from the upper left corner of the area.
+    pub(super) corners: &'a [[f64; 3]],
+    /// Away from the body: to the right, down, towards the eye; none where a section cuts it.
+    pub(super) outward: Option<[f64; 3]>,
+    /// Which edges from each corner to the next have a line, one bit each; of a cut, which are at the surface.
+    pub(super) edges: u32,
+    pub(super) color: Rgb,
+    pub(super) body: u16,
+    /// Units of the page; of the initial cell.
+    pub(super) spacing: f64,
+}
+
+/// What a point of the raster shows of a body that a section opens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Side {
+    Outside,
+    Cut,
+    /// The inside of a surface.
+    Inside,
+}
+
 struct Raster {
     width: usize,
     height: usize,
@@ -59,13 +84,16 @@ struct Raster {
     body: Vec<u16>,
     /// Points beside a cell, which stay only in gaps.
     is_beside: Vec<bool>,
+    /// Of bodies in space that are cut; empty without a section.
+    side: Vec<Side>,
 }
 
-/// Draws the dots for an area of a page of `scale` pixels a unit; `shaded` tells depth by light and dark edges; what is
-/// beyond the plane `cut`, in units of the page, is left out. Clear where there is none.
-pub(super) fn splat(
+/// Draws facets and dots for an area of a page of `scale` pixels a unit; `shaded` tells depth by light and dark edges; facets near the plane
+/// `cut`, in units of the page, are as flat as it. Clear where there is nothing.
+pub(super) fn splat<'a>(
     area: Area,
     scale: f64,
+    facets: impl Iterator<Item = Facet<'a>>,
     dots: impl Iterator<Item = Dot>,
     shaded: bool,
     cut: Option<HalfSpace>,
@@ -78,11 +106,22 @@ pub(super) fn splat(
     let fine = raster.fine;
     let cut = cut.map(|cut| HalfSpace { offset: fine * cut.offset, ..cut });
     let (mut largest, mut margin) = (0.0f64, 0.0f64);
+    if cut.is_some() {
+        raster.side = vec![Side::Outside; raster.depth.len()];
+    }
+    let mut corners = Vec::new();
+    for facet in facets {
+        largest = largest.max(BALL * facet.spacing);
+        corners.clear();
+        corners.extend(facet.corners.iter().map(|corner| corner.map(|x| fine * x)));
+        raster.facet(&facet, &corners, cut.as_ref());
+    }
+    raster.close();
     for dot in dots {
         largest = largest.max(dot.radius);
         if let Some(hull) = hull(&dot, fine) {
             margin = margin.max(CLOSED * dot.spacing * fine);
-            raster.cell(&dot, &hull, shaded, cut.as_ref());
+            raster.cell(&dot, &hull);
         } else {
             raster.ball(&dot, shaded);
         }
@@ -115,6 +154,7 @@ impl Raster {
             depth: vec![f32::NEG_INFINITY; count],
             body: vec![0; count],
             is_beside: vec![false; count],
+            side: Vec::new(),
         }
     }
 
@@ -125,61 +165,108 @@ impl Raster {
         low.min(limit)..high.min(limit)
     }
 
-    fn cell(&mut self, dot: &Dot, hull: &Hull, shaded: bool, cut: Option<&HalfSpace>) {
+    /// Draws a polygon with these corners, points of the raster, as triangles around its first one.
+    fn facet(&mut self, facet: &Facet<'_>, corners: &[[f64; 3]], cut: Option<&HalfSpace>) {
+        let [first, rest @ ..] = corners else { return };
+        let flagged = corners.iter().enumerate().filter(|(k, _)| facet.edges >> k & 1 == 1);
+        let drawn: Vec<Edge> = flagged.map(|(k, from)| Edge::new(*from, corners[(k + 1) % corners.len()])).collect();
+        let count = corners.len() as f64;
+        let middle = [0, 1].map(|a| corners.iter().map(|corner| corner[a]).sum::<f64>() / count);
+        let half_width = drawn.iter().map(|edge| edge.distance(middle)).fold(f64::INFINITY, f64::min);
+        let has_line = facet.outward.is_some() && half_width >= CELL_LINE_FROM * self.fine;
+        let (line, spacing) = (CELL_LINE * self.fine, facet.spacing * self.fine);
+        let [own, edge] = [facet.color, ring(facet.color)];
+        // Down on the page is up for the light.
+        let light = facet.outward.map_or(1.0, |n| {
+            let towards = if n[2] < 0.0 { n.map(|x| -x) } else { n };
+            light_on([towards[0], -towards[1], towards[2]])
+        });
+        let lit = [own, edge].map(|color| shade(color, light));
+        // One along the cut and just before it is as flat.
+        let flat = cut.filter(|cut| facet.outward.is_some_and(|n| dot(n, cut.normal) > ALONG_CUT));
+        let side = match facet.outward {
+            None => Side::Cut,
+            Some([_, _, towards]) if towards < 0.0 => Side::Inside,
+            Some(_) => Side::Outside,
+        };
+        for pair in rest.windows(2) {
+            let triangle = [first, &pair[0], &pair[1]];
+            let reach = |a: usize| {
+                let each = triangle.map(|corner| corner[a]);
+                each.into_iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+            };
+            let (columns, top) = (reach(0), reach(2).1 as f32);
+            for row in Self::points(reach(1), self.height) {
+                for column in Self::points(columns, self.width) {
+                    let at = row * self.width + column;
+                    let (x, y) = (column as f64 + 0.5, row as f64 + 0.5);
+                    // All of it is behind what is there.
+                    if facet.outward.is_some() && self.depth[at] >= top {
+                        continue;
+                    }
+                    let Some(z) = height(triangle, x, y) else { continue };
+                    let from_edge = || drawn.iter().map(|edge| edge.distance([x, y])).fold(f64::INFINITY, f64::min);
+                    let (before, color) = if facet.outward.is_none() {
+                        (DEEPER * from_edge().min(spacing), own)
+                    } else if flat.is_some_and(|cut| cut.depth([x, y, z]) < NEAR_CUT * spacing) {
+                        (0.0, own)
+                    } else {
+                        (0.0, lit[usize::from(has_line && from_edge() < line)])
+                    };
+                    let z = (z + before) as f32;
+                    if z > self.depth[at] {
+                        self.depth[at] = z;
+                        self.color[at] = color;
+                        self.body[at] = facet.body;
+                        if let Some(own) = self.side.get_mut(at) {
+                            *own = side;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Where the inside of a surface is seen past a cut, there are slivers between cells whose corners are not the same: they have the colour of
+    /// the cut beside them.
+    fn close(&mut self) {
+        let (width, height) = (self.width, self.height);
+        let mut layer: Vec<usize> = (0..self.side.len()).filter(|&at| self.side[at] == Side::Cut).collect();
+        while !layer.is_empty() {
+            let mut next = Vec::new();
+            for at in layer {
+                for to in around(at, width, height) {
+                    if self.side[to] == Side::Inside {
+                        self.side[to] = Side::Cut;
+                        (self.color[to], self.depth[to], self.body[to]) =
+                            (self.color[at], self.depth[at], self.body[at]);
+                        next.push(to);
+                    }
+                }
+            }
+            layer = next;
+        }
+    }
+
+    /// A cell in a plane.
+    fn cell(&mut self, dot: &Dot, hull: &Hull) {
         let margin = CLOSED * dot.spacing * self.fine;
         let [columns, rows] = hull.bounds.map(|(low, high)| (low - margin, high + margin));
         let line = CELL_LINE * self.fine;
         let has_line = hull.half_width >= CELL_LINE_FROM * self.fine;
         let edge = ring(dot.color);
-        let top = hull.top as f32;
         for row in Self::points(rows, self.height) {
             for column in Self::points(columns, self.width) {
-                let (x, y) = (column as f64 + 0.5, row as f64 + 0.5);
                 let at = row * self.width + column;
-                // All of it is behind what is there.
-                if shaded && self.depth[at] >= top {
+                // Where cells overlap, each has what is nearer to its middle.
+                let inside = hull.inside(column as f64 + 0.5, row as f64 + 0.5);
+                if inside < -margin || inside as f32 <= self.depth[at] {
                     continue;
                 }
-                let (z, is_beside, color) = if shaded {
-                    let (hit, is_beside) = match hull.hit(x, y, 0.0, cut) {
-                        Some(hit) => (hit, false),
-                        // Behind all cells that are there.
-                        None if self.depth[at] > FARTHEST => continue,
-                        None => match hull.hit(x, y, margin, cut) {
-                            Some(hit) => (Hit { depth: hit.depth + BEHIND_ALL, ..hit }, true),
-                            None => continue,
-                        },
-                    };
-                    let on_line = has_line && !is_beside && hit.from_edge < line;
-                    let own = if on_line { edge } else { dot.color };
-                    // A cut has the colours of the bar, and is no less flat where cells end just before it.
-                    let is_near =
-                        cut.is_some_and(|cut| cut.depth([x, y, hit.depth]) < NEAR_CUT * dot.spacing * self.fine);
-                    let color = match hit.normal {
-                        // Down on the page is up for the light.
-                        Some([right, down, towards]) if !is_near => {
-                            shade(own, dot.light * light_on([right, -down, towards]))
-                        }
-                        Some(_) | None => own,
-                    };
-                    // Where cells overlap, each has what is nearer to its middle.
-                    let before = if hit.normal.is_none() { 1e-3 * hit.from_edge } else { 0.0 };
-                    (hit.depth + before, is_beside, color)
-                } else {
-                    // Where cells overlap, each has what is nearer to its middle.
-                    let inside = hull.inside(x, y);
-                    if inside < -margin {
-                        continue;
-                    }
-                    let on_line = has_line && (0.0..line).contains(&inside);
-                    (inside, inside < 0.0, if on_line { edge } else { dot.color })
-                };
-                if z as f32 > self.depth[at] {
-                    self.depth[at] = z as f32;
-                    self.color[at] = color;
-                    self.body[at] = dot.body;
-                    self.is_beside[at] = is_beside;
-                }
+                self.depth[at] = inside as f32;
+                self.color[at] = if has_line && (0.0..line).contains(&inside) { edge } else { dot.color };
+                self.body[at] = dot.body;
+                self.is_beside[at] = inside < 0.0;
             }
         }
     }
@@ -187,16 +274,7 @@ impl Raster {
     /// Takes away what is beside cells but in no gap: layer by layer, as deep as the margin.
     fn open(&mut self, layers: usize) {
         let (width, height) = (self.width, self.height);
-        let around = |at: usize| {
-            let (x, y) = (at % width, at / width);
-            let to = [
-                (x > 0).then(|| at - 1),
-                (x + 1 < width).then(|| at + 1),
-                (y > 0).then(|| at - width),
-                (y + 1 < height).then(|| at + width),
-            ];
-            to.into_iter().flatten()
-        };
+        let around = |at: usize| around(at, width, height);
         let mut layer: Vec<usize> = (0..self.depth.len()).filter(|&at| self.is_beside[at]).collect();
         layer.retain(|&at| around(at).any(|to| self.depth[to] == f32::NEG_INFINITY));
         for _ in 0..layers {
@@ -273,7 +351,8 @@ impl Raster {
             })
             .collect();
         for (color, lit) in self.color.iter_mut().zip(lit) {
-            *color = color.map(|c| (f32::from(c) * lit) as u8);
+            // Rounded: what is deeper by a hair is no darker.
+            *color = color.map(|c| (f32::from(c) * lit).round() as u8);
         }
     }
 
@@ -345,9 +424,52 @@ impl Raster {
     }
 }
 
+/// An edge of a polygon on the raster.
+struct Edge {
+    from: [f64; 2],
+    along: [f64; 2],
+    square: f64,
+}
+
+impl Edge {
+    fn new(from: [f64; 3], to: [f64; 3]) -> Self {
+        let along = [to[0] - from[0], to[1] - from[1]];
+        Self { from: [from[0], from[1]], along, square: along[0] * along[0] + along[1] * along[1] }
+    }
+
+    fn distance(&self, at: [f64; 2]) -> f64 {
+        let off = [at[0] - self.from[0], at[1] - self.from[1]];
+        let share = (off[0] * self.along[0] + off[1] * self.along[1]) / self.square.max(f64::MIN_POSITIVE);
+        let share = share.clamp(0.0, 1.0);
+        (off[0] - share * self.along[0]).hypot(off[1] - share * self.along[1])
+    }
+}
+
+/// Points beside one.
+fn around(at: usize, width: usize, height: usize) -> impl Iterator<Item = usize> {
+    let (x, y) = (at % width, at / width);
+    let to = [
+        (x > 0).then(|| at - 1),
+        (x + 1 < width).then(|| at + 1),
+        (y > 0).then(|| at - width),
+        (y + 1 < height).then(|| at + width),
+    ];
+    to.into_iter().flatten()
+}
+
+/// Where the line through a point of the page towards the eye meets a triangle; nowhere beside it, or where it is seen from its edge.
+fn height([p, q, r]: [&[f64; 3]; 3], x: f64, y: f64) -> Option<f64> {
+    let twice = (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]);
+    let on_q = ((x - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (y - p[1])) / twice;
+    let on_r = ((q[0] - p[0]) * (y - p[1]) - (x - p[0]) * (q[1] - p[1])) / twice;
+    // Of two triangles with an edge in common each has it, too.
+    let is_inside = on_q >= -1e-9 && on_r >= -1e-9 && on_q + on_r <= 1.0 + 1e-9;
+    is_inside.then_some(p[2] + on_q * (q[2] - p[2]) + on_r * (r[2] - p[2]))
+}
+
 /// Light on a plane face from its normal: right, up, towards the eye.
 fn light_on(normal: [f64; 3]) -> f64 {
-    0.9 + 0.1 * (dot(normal, LIGHT) / LIGHT[2]).clamp(0.0, 1.0)
+    1.0 - DARKEST * (1.0 - (dot(normal, LIGHT) / LIGHT[2]).max(0.0))
 }
 
 /// How light a colour is to the eye, 0 to 1.
@@ -400,7 +522,14 @@ mod tests {
     fn balls_outside_or_nowhere_are_left_out() {
         let area = Area { x: 0.0, y: 0.0, width: 10.0, height: 10.0 };
         let nowhere = [(-50.0, 0.0), (1e9, 0.0), (f64::NAN, 0.0), (5.0, f64::NAN)];
-        let image = splat(area, 1.0, nowhere.into_iter().map(|(x, depth)| Dot { depth, ..dot(x, 2.0) }), false, None);
+        let image = splat(
+            area,
+            1.0,
+            std::iter::empty(),
+            nowhere.into_iter().map(|(x, depth)| Dot { depth, ..dot(x, 2.0) }),
+            false,
+            None,
+        );
         assert!(image.pixels.iter().all(|p| p[3] == 0));
     }
 
@@ -410,7 +539,7 @@ mod tests {
         for scale in [1.0, 3.0, 6.0] {
             for radius in [1e-6, 0.3, 3.0] {
                 for shaded in [false, true] {
-                    let image = splat(area, scale, std::iter::once(dot(5.0, radius)), shaded, None);
+                    let image = splat(area, scale, std::iter::empty(), std::iter::once(dot(5.0, radius)), shaded, None);
                     let ink = |p: &&[u8; 4]| u32::from(255 - p[0]) * u32::from(p[3]) / 255 > 60;
                     let dark = image.pixels.iter().filter(ink).count() as f64 / (scale * scale);
                     assert!(dark > 2.0, "{scale} {radius} {shaded}: {dark} dark units");
@@ -431,7 +560,7 @@ mod tests {
             color: dark,
             ..dot(0.0, 7.1)
         });
-        let image = splat(area, 1.0, lattice, false, None);
+        let image = splat(area, 1.0, std::iter::empty(), lattice, false, None);
         assert!(image.pixels.iter().all(|p| p[3] == 255));
         let [r, g, b] = ring(dark);
         let count = |color: [u8; 4]| image.pixels.iter().filter(|p| **p == color).count();

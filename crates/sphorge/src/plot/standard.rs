@@ -5,7 +5,8 @@ use crate::output::{FrameFile, RunDirectory, read_series};
 use std::path::{Path, PathBuf};
 
 /// Fields pictured when none is named, where a run wrote them.
-const DEFAULT_FIELDS: [&str; 5] = ["plastic_strain", "von_mises_stress", "pressure", "temperature", "velocity"];
+pub(crate) const DEFAULT_FIELDS: [&str; 5] =
+    ["plastic_strain", "von_mises_stress", "pressure", "temperature", "velocity"];
 
 /// Draws the standard pictures of a run in a folder: the last frame by body, where there are several, and by several fields, plastic strain before and
 /// after, and the history. Returns their files.

@@ -170,7 +170,7 @@ fn a_norm_is_the_length_of_the_vector() {
     let folder = tempfile::tempdir().unwrap();
     let run = run(folder.path(), 2);
     let scene = scene::Scene::read(&[("", &run)], &FieldPicture::new("velocity")).unwrap();
-    assert_eq!((scene.extent.extremes, scene.unit, scene.label.as_str()), ((5.0, 5.0), "m/s", "magnitude of velocity"));
+    assert_eq!((scene.extent.extremes, scene.unit, scene.label.as_str()), ((5.0, 5.0), "m/s", "velocity (magnitude)"));
     let scene = scene::Scene::read(&[("", &run)], &FieldPicture::new("velocity.y")).unwrap();
     assert_eq!((scene.extent.extremes, scene.label.as_str()), ((4.0, 4.0), "velocity y"));
     // Pressure alone: the norm of -p I is sqrt(3) p.
@@ -196,7 +196,8 @@ fn what_is_not_there_is_an_error_that_says_what_is() {
         assert_eq!(near, question);
     }
     let late = FieldPicture { frames: vec![FrameChoice::Index(2)], ..FieldPicture::new("pressure") };
-    assert!(matches!(plot_field(&run, &late, &to), Err(PlotError::Empty { .. })));
+    let told = plot_field(&run, &late, &to).unwrap_err().to_string();
+    assert!(told.ends_with("the run has frames 0 to 1"), "{told}");
     let tiny = FieldPicture { size: Some((100, 100)), ..FieldPicture::new("pressure") };
     assert!(matches!(plot_field(&run, &tiny, &to), Err(PlotError::Size { .. })));
     assert!(matches!(plot_columns(&run, &["time".into()], Paper::default(), &to), Err(PlotError::Output(_))));
@@ -409,7 +410,7 @@ fn a_section_goes_through_the_plane_of_symmetry() {
 fn a_quarter_is_shown_whole_with_the_signs_of_its_images() {
     let folder = tempfile::tempdir().unwrap();
     let run = quarter(folder.path());
-    let whole = FieldPicture { mirror: true, ..FieldPicture::new("velocity.y") };
+    let whole = FieldPicture { mirror: Some(Mirror::Halving), ..FieldPicture::new("velocity.y") };
     let scene = seen(&run, &whole);
     assert_eq!((scene.panels[0].marks.len(), scene.panels[0].count), (128, 32));
     assert_eq!(scene.extent.extremes, (-1.5, 1.5));
@@ -419,7 +420,7 @@ fn a_quarter_is_shown_whole_with_the_signs_of_its_images() {
     let cut = seen(&run, &FieldPicture { section: Some(Section::Middle), view: Some(View::Yz), ..whole.clone() });
     assert_eq!((cut.panels[0].marks.len(), cut.panels[0].count), (64, 32));
     fs::write(run.deck(), QUARTER.replace("[[symmetry]]\naxis = \"x\"\n[[symmetry]]\naxis = \"y\"\n", "")).unwrap();
-    assert!(matches!(plot_field(&run, &whole, &folder.path().join("p.png")), Err(PlotError::Empty { .. })));
+    assert!(matches!(plot_field(&run, &whole, &folder.path().join("p.png")), Err(PlotError::Mirror { .. })));
 }
 
 #[test]
@@ -711,5 +712,109 @@ fn a_section_leaves_the_side_of_the_eye_out_and_cuts_cells() {
         assert!(error.to_string().ends_with("(x), and the bodies are between −500 µm and 19.5 mm"), "{error}");
         let animated = animate_field(&run, &picture, 1.0, &folder.path().join("p.png")).unwrap_err();
         assert_eq!(animated.to_string(), error.to_string());
+    }
+}
+
+/// Two bodies of six by six by three particles a millimetre apart on top of each other, the upper one pushed a quarter of a millimetre into the lower one.
+/// Particles and their gradients are a little beside where a smooth field has them.
+fn pressed(folder: &Path) -> RunDirectory {
+    let run = RunDirectory::create(folder, false).unwrap();
+    let body = |name: &str, low: u32| {
+        let (low, high) = (format!("[0, 0, \"{low} mm\"]"), format!("[\"6 mm\", \"6 mm\", \"{} mm\"]", low + 3));
+        format!(
+            "[[body]]\nname = \"{name}\"\nmaterial = \"armco-iron\"\nshape = {{ box = {{ min = {low}, max = {high} }} }}\n"
+        )
+    };
+    let head = "dimensions = \"3d\"\nparticles = { spacing = \"1 mm\" }\ntime = { end = \"1 us\" }\n";
+    fs::write(run.deck(), format!("{head}{}{}", body("lower", 0), body("upper", 3))).unwrap();
+    let bodies = ["lower", "upper"].map(|name| crate::output::FrameBody { name: name.into(), material: "iron".into() });
+    let writer = crate::output::FrameWriter { bodies: bodies.into(), is_compressed: true };
+    let fields = ["body", "deformation_gradient", "plastic_strain"].map(str::to_owned);
+    fs::create_dir_all(run.path().join("fields")).unwrap();
+    let mut entries = Vec::new();
+    let filled = crate::geometry::fill(&crate::deck::load_model(&run.deck()).unwrap(), 1e6).unwrap();
+    let mut particles = Particles::new(filled.position.len());
+    (particles.position, particles.body) = (filled.position, filled.body);
+    for k in 0..2 {
+        particles.deformation = vec![[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]; particles.position.len()];
+        for i in 0..particles.position.len() {
+            if k == 0 {
+                continue;
+            }
+            particles.position[i][2] -= if particles.body[i] == 1 { 0.25e-3 } else { 0.0 };
+            for a in 0..3 {
+                let beside = (12.9 * (3 * i + a) as f64).sin();
+                particles.position[i][a] += 0.06e-3 * beside;
+                particles.deformation[i][a][(a + 1) % 3] += 0.08 * beside;
+            }
+        }
+        let (time, file) = (1e-6 * k as f64, RunDirectory::frame_name(k, false));
+        let header = FrameHeader { time, step: k as u64, dimensions: 3, body_spacing: vec![1e-3, 1e-3] };
+        let mut content = std::io::Cursor::new(Vec::new());
+        writer.write(&mut content, &header, &particles, &fields).unwrap();
+        fs::write(run.path().join(&file), content.into_inner()).unwrap();
+        entries.push(SeriesEntry { time, file });
+    }
+    write_series(&run, &entries).unwrap();
+    run
+}
+
+/// The particles of a picture, and pixels of its image of a millimetre.
+fn drawn(run: &RunDirectory, picture: &FieldPicture) -> (page::Image, f64) {
+    let scene = seen(run, picture);
+    let [(left, right), _] = scene.extent.window;
+    let page = field::particles(&scene, picture, "t").unwrap();
+    let images = page.items.iter().filter_map(|item| match item {
+        page::Item::Image(image) => Some(image.clone()),
+        _ => None,
+    });
+    let image = images.max_by_key(|image| image.pixels.len()).unwrap();
+    let wide = 1e3 * (right - left) * 1.08;
+    let pixels = image.columns as f64 / wide;
+    (image, pixels)
+}
+
+#[test]
+fn a_section_has_the_colours_of_the_bar_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = pressed(&folder.path().join("run"));
+    // Between layers, within one, and in one that is nearly at the faces of cells.
+    for place in [3.0e-3, 2.5e-3, 2.97e-3, 3.04e-3] {
+        let section = Section::Across { normal: [0.0, 1.0, 0.0], point: Some([0.0, place, 0.0]) };
+        let of = |field: &str, bodies: &[&str]| FieldPicture {
+            view: Some(View::Xz),
+            section: Some(section),
+            bodies: bodies.iter().map(|name| (*name).to_owned()).collect(),
+            window: Some([(0.5e-3, 5.5e-3), (0.5e-3, 5.0e-3)]),
+            size: Some((600, 600)),
+            range: (field != "body").then_some((0.0, 1.0)),
+            ..FieldPicture::new(field)
+        };
+        // One body with one value has one colour wherever it is cut.
+        let (image, fine) = drawn(&run, &of("plastic_strain", &["lower"]));
+        let rows = image.pixels.chunks_exact(image.columns);
+        let lowest = rows.rev().take((2.0 * fine) as usize);
+        let colors: std::collections::HashSet<[u8; 4]> = lowest.flatten().copied().collect();
+        assert_eq!(colors.len(), 1, "{place}: {colors:?}");
+        // Where bodies overlap the one ends where the other begins, at one height.
+        let (image, fine) = drawn(&run, &of("body", &[]));
+        let [lower, upper] = [0, 1].map(|k| {
+            let [r, g, b] = color_bar::body_color(k);
+            [r, g, b, 255]
+        });
+        let heights: Vec<(usize, usize)> = (0..image.columns)
+            .map(|x| {
+                let column: Vec<[u8; 4]> = (0..image.rows).map(|y| image.pixels[y * image.columns + x]).collect();
+                let last = column.iter().rposition(|color| *color == upper).unwrap();
+                (last, column.iter().position(|color| *color == lower).unwrap())
+            })
+            .collect();
+        assert!(
+            heights.iter().all(|(last, first)| last < first),
+            "{place}: one body pokes into the other: {heights:?}"
+        );
+        let (highest, deepest) =
+            heights.iter().fold((usize::MAX, 0), |(low, high), (last, _)| (low.min(*last), high.max(*last)));
+        assert!(((deepest - highest) as f64) < 0.3 * fine, "{place}: {highest} to {deepest}, {fine}");
     }
 }

@@ -1,11 +1,21 @@
 //! The title of a run in a picture.
 
-use crate::output::{RunDirectory, Summary};
+use crate::{
+    deck::load_model,
+    model::Model,
+    output::{RunDirectory, Summary},
+};
 
-/// Title of a run, with the names of what its checks found broken; the name of its folder while there is no summary.
-pub(super) fn run_title(run: &RunDirectory) -> String {
+/// Title of a run, with the names of what its checks found broken once it has ended; that of its deck before, or the name of its folder.
+pub(crate) fn run_title(run: &RunDirectory) -> String {
+    title_with(run, load_model(&run.deck()).ok().as_ref())
+}
+
+/// The same of a run whose deck is known.
+pub(crate) fn title_with(run: &RunDirectory, model: Option<&Model>) -> String {
     let folder = || run.path().file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
-    Summary::read(run).map_or_else(|_| folder(), |summary| titled(&summary))
+    let of_deck = || model.map(|model| model.title.clone()).filter(|title| !title.is_empty());
+    Summary::read(run).map_or_else(|_| of_deck().unwrap_or_else(folder), |summary| titled(&summary))
 }
 
 /// Titles of runs, each once; of many that differ, that of the first and how many there are.

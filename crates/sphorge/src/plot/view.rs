@@ -75,7 +75,7 @@ fn is_along(direction: [f64; 3], axis: usize) -> bool {
 }
 
 /// The axis that points up where a view does not name one: that against gravity, y where the plane walls stand on y, else z.
-pub(super) fn upright(model: &Model) -> usize {
+pub(crate) fn upright(model: &Model) -> usize {
     let [x, y, z] = model.gravity.map(f64::abs);
     if x + y + z > 0.0 {
         return if x > y && x > z {
@@ -97,14 +97,14 @@ pub(super) fn upright(model: &Model) -> usize {
 
 /// A right-handed frame: right and up on the page, towards the eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Projection {
-    pub(super) right: [f64; 3],
-    pub(super) up: [f64; 3],
-    pub(super) towards: [f64; 3],
+pub(crate) struct Projection {
+    pub(crate) right: [f64; 3],
+    pub(crate) up: [f64; 3],
+    pub(crate) towards: [f64; 3],
 }
 
 impl View {
-    pub(super) fn projection(self) -> Projection {
+    pub(crate) fn projection(self) -> Projection {
         match self {
             Self::Xy => Projection { right: [1.0, 0.0, 0.0], up: [0.0, 1.0, 0.0], towards: [0.0, 0.0, 1.0] },
             Self::Xz => Projection { right: [1.0, 0.0, 0.0], up: [0.0, 0.0, 1.0], towards: [0.0, -1.0, 0.0] },
@@ -138,7 +138,7 @@ impl View {
     }
 
     /// This view with an axis that points up where it names none.
-    pub(super) fn with_up(self, axis: usize) -> Self {
+    pub(crate) fn with_up(self, axis: usize) -> Self {
         match self {
             Self::Corner { up: None } => Self::Corner { up: Some(axis) },
             Self::From { direction, up: None } => Self::From { direction, up: Some(turned(direction, axis)) },

@@ -1,8 +1,14 @@
 //! When a run saves its state.
 
-use super::{error::Trouble, progress::Observer, state::RunState};
-use crate::output::{About, OutputError, checkpoints, remove_former_checkpoints, write_checkpoint};
+use super::{error::Trouble, listed, progress::Observer, state::RunState};
+use crate::{
+    deck::marked_as_driven,
+    output::{
+        About, DECK, Durability, OutputError, RunDirectory, checkpoints, remove_former_checkpoints, write_checkpoint,
+    },
+};
 use std::{
+    collections::BTreeMap,
     sync::{
         Arc,
         atomic::{AtomicBool, Ordering},
@@ -38,13 +44,25 @@ pub(super) struct Keeper {
     next: f64,
     deck_name: String,
     deck_text: String,
+    /// Sums of the particles from files, once a state has been saved.
+    listed: Option<BTreeMap<String, String>>,
 }
 
 impl Keeper {
     /// From `time` (s) on.
     pub(super) fn new(plan: CheckpointPlan, deck_name: String, deck_text: String, time: f64) -> Self {
         let next = plan.interval.map_or(f64::INFINITY, |interval| multiple_after(time, interval));
-        Self { plan, last: Instant::now(), next, deck_name, deck_text }
+        Self { plan, last: Instant::now(), next, deck_name, deck_text, listed: None }
+    }
+
+    /// Writes to the deck that a program drives the run: whoever runs the deck alone is told.
+    pub(super) fn mark_as_driven(&mut self, directory: &RunDirectory) -> Result<(), OutputError> {
+        let marked = marked_as_driven(&self.deck_text);
+        if marked != self.deck_text {
+            directory.write(DECK, Durability::Disk, |out| out.write_all(marked.as_bytes()))?;
+            self.deck_text = marked;
+        }
+        Ok(())
     }
 
     /// Saves the state if it is time to.
@@ -119,6 +137,7 @@ impl Keeper {
         let (step, time) = (state.simulation.steps(), state.simulation.time());
         let mut about = About::new(state.simulation.saved_as(), &self.deck_name, step, time);
         about.changed_from = changed_from;
+        about.listed = self.listed.get_or_insert_with(|| listed::sums(state.simulation.model())).clone();
         if let Some(interval) = self.plan.interval {
             self.next = multiple_after(time, interval);
         }

@@ -153,12 +153,25 @@ pub(super) fn go_on(
         if let Some(reason) = state.end_reason().or_else(|| is_left.then_some(EndReason::User)).or_else(stopped) {
             break reason;
         }
+        if let Some(drive) = observer.drive() {
+            state.simulation.drive(&drive)?;
+            if state.recorder.driven(&drive) {
+                keeper.mark_as_driven(state.recorder.directory())?;
+            }
+        }
         let report = repeater.step(&mut Watched { state, observer })?;
         keeper.after_step(state, observer)?;
         state.tell(&report, observer, false);
         last_report = Some(report);
     };
-    if reason == EndReason::User {
+    let reason = match observer.stopped_by() {
+        Some(by) if reason == EndReason::User => {
+            state.recorder.stopped_by = Some(by);
+            EndReason::Program
+        }
+        _ => reason,
+    };
+    if matches!(reason, EndReason::User | EndReason::Program) {
         // Before rows and frames that an unbroken run would not have.
         keeper.at_stop(state, observer)?;
         state.close(observer)?;

@@ -16,8 +16,10 @@
 mod checkpoint;
 mod conservation;
 mod drive;
+mod driven;
 mod error;
 mod frame;
+mod listed;
 mod progress;
 mod rank_files;
 mod record;

@@ -2,7 +2,7 @@
 
 use crate::{
     engine::{
-        LimitReason, Simulation,
+        Drive, LimitReason, Simulation,
         persist::{Archive, ArchiveError, Persist},
     },
     output::WarningRecord,
@@ -69,6 +69,18 @@ pub trait Observer: Send {
     /// then come again. A break ends the run as a stop by the user does.
     fn between_steps(&mut self, _state: &Simulation) -> ControlFlow<()> {
         ControlFlow::Continue(())
+    }
+    /// Loads and velocities of bodies from the next step on, asked for after [`Self::between_steps`]; none leaves them as they are.
+    fn drive(&mut self) -> Option<Drive> {
+        None
+    }
+    /// Whether it gives loads or velocities: a run that was saved under some is not resumed without.
+    fn drives(&self) -> bool {
+        false
+    }
+    /// What of a program that drives the run has ended it, such as a callback that raised; nothing where it was the user.
+    fn stopped_by(&mut self) -> Option<String> {
+        None
     }
     /// Frame `index` at `time` (s) is written, or is being written while steps go on (cards).
     fn frame_written(&mut self, _index: usize, _time: f64) {}

@@ -2,6 +2,7 @@
 
 use super::{
     conservation::Conservation,
+    driven::DrivenParts,
     error::Trouble,
     frame::{Frame, FrameUnderWay, frame_thread},
     state::Beginning,
@@ -9,7 +10,7 @@ use super::{
 };
 use crate::{
     engine::{
-        Audit, Energies, FieldSource, Ledger, LimitReason, ParticleSource, RunFailure, Simulation, StepReport,
+        Audit, Drive, Energies, FieldSource, Ledger, LimitReason, ParticleSource, RunFailure, Simulation, StepReport,
         persist::{Archive, ArchiveError, MOST_COUNTED, Persist, persist_count, persist_option, require},
         reduction::{QueuedSums, Reduction},
     },
@@ -19,8 +20,8 @@ use crate::{
     observed::Observed,
     output::{
         AuditRecord, BodyRecord, DiskSync, EndReason, EnergyRecord, FailureRecord, FrameFile, FrameHeader, FrameWriter,
-        HISTORY, History, HistorySample, MARK, OutputError, RunDirectory, SERIES, SeriesEntry, SeriesWriter, Status,
-        Sum, Summary, WarningRecord, measure_unit, most, series_text, write_pieces,
+        HISTORY, History, HistorySample, MARK, MemoryOf, OutputError, RunDirectory, SERIES, SeriesEntry, SeriesWriter,
+        Status, Sum, Summary, WarningRecord, measure_unit, most, series_text, write_pieces,
     },
 };
 use rayon::prelude::*;
@@ -51,6 +52,7 @@ pub(super) struct Recorder {
     /// Energies, external work, what the integrator booked and what springs, viscosity and artificial stress took, of the last row.
     energies: Energies,
     external_work: f64,
+    load_work: f64,
     integration_energy: f64,
     hourglass_energy: f64,
     hourglass_stored_energy: f64,
@@ -67,6 +69,9 @@ pub(super) struct Recorder {
     /// What the engine says of its memory, the largest so far.
     engine_bytes: u64,
     seconds: f64,
+    /// What a program has given, and by what it ended the run.
+    driven: DrivenParts,
+    pub(super) stopped_by: Option<String>,
 }
 
 /// A row whose sums are still to come. Until it is written nothing else of the recorder changes.
@@ -124,6 +129,7 @@ impl Recorder {
             row_under_way: None,
             energies: Energies::default(),
             external_work: 0.0,
+            load_work: 0.0,
             integration_energy: 0.0,
             hourglass_energy: 0.0,
             hourglass_stored_energy: 0.0,
@@ -138,6 +144,8 @@ impl Recorder {
             audits: AuditRecord::default(),
             engine_bytes: 0,
             seconds: 0.0,
+            driven: DrivenParts::new(model),
+            stopped_by: None,
         })
     }
 
@@ -174,6 +182,7 @@ impl Recorder {
             self.energies.elastic,
             self.energies.plastic_work,
             self.external_work,
+            self.load_work,
             self.integration_energy,
             self.hourglass_energy,
             self.viscous_energy,
@@ -234,7 +243,24 @@ impl Recorder {
 
     /// Warnings that nobody has been told of.
     pub(super) fn warnings_to_tell(&mut self, model: &Model) -> Vec<WarningRecord> {
-        self.watch.news(model)
+        let news = self.watch.news(model);
+        self.with_the_driver(news)
+    }
+
+    /// Names the program that drives the run where there is one: what is broken may be what it gives.
+    fn with_the_driver(&self, mut warnings: Vec<WarningRecord>) -> Vec<WarningRecord> {
+        if self.driven.is_driven() {
+            let more = "; a program gives loads or velocities to this run: look at these, too";
+            warnings.iter_mut().for_each(|warning| warning.cure.push_str(more));
+        }
+        warnings
+    }
+
+    /// Takes what a program gives; whether it is the first.
+    pub(super) fn driven(&mut self, drive: &Drive) -> bool {
+        let is_first = !self.driven.is_driven();
+        self.driven.take(drive);
+        is_first && self.driven.is_driven()
     }
 
     /// Takes a step, which has failed some times before, into the sums.
@@ -340,6 +366,7 @@ impl Recorder {
         self.history.add(model, &sample)?;
         self.energies = ledger.total.energies;
         self.external_work = ledger.external_work;
+        self.load_work = ledger.load_work;
         self.integration_energy = ledger.integration_energy;
         self.hourglass_energy = ledger.hourglass_energy;
         self.hourglass_stored_energy = ledger.hourglass_stored_energy;
@@ -474,12 +501,14 @@ impl Recorder {
             format: Summary::FORMAT,
             status: match end_reason {
                 EndReason::Failure => Status::Failed,
-                EndReason::User => Status::Stopped,
+                EndReason::User | EndReason::Program => Status::Stopped,
                 _ if self.watch.count() > 0 => Status::CompletedWithWarnings,
                 EndReason::EndTime | EndReason::KineticEnergy | EndReason::MaxSteps => Status::Completed,
             },
             end_reason,
             failure,
+            stopped_by: self.stopped_by.clone().filter(|_| end_reason == EndReason::Program),
+            driven: self.driven.record(model),
             title: model.title.clone(),
             deck: model.name.clone(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -505,6 +534,7 @@ impl Recorder {
             pairs_per_second: per_second(self.steps.pairs),
             searched_fraction: if steps > 0 { self.steps.searched / steps as f64 } else { 0.0 },
             peak_memory_bytes: peak_memory_bytes.unwrap_or(self.engine_bytes),
+            peak_memory_of: if peak_memory_bytes.is_some() { MemoryOf::Process } else { MemoryOf::Engine },
             engine_memory_bytes: self.engine_bytes,
             energy: EnergyRecord {
                 kinetic: self.energies.kinetic,
@@ -512,6 +542,7 @@ impl Recorder {
                 elastic: self.energies.elastic,
                 plastic_work: self.energies.plastic_work,
                 external_work: self.external_work,
+                load_work: self.load_work,
                 integration: self.integration_energy,
                 hourglass: self.hourglass_energy,
                 hourglass_stored: self.hourglass_stored_energy,
@@ -523,7 +554,7 @@ impl Recorder {
             momentum_drift: self.conservation.last.momentum,
             largest_momentum_drift: self.conservation.largest.momentum,
             audit: model.audit.map(|_| self.audits),
-            warnings: self.watch.records(model),
+            warnings: self.with_the_driver(self.watch.records(model)),
             measures: named().zip(self.measures.values().iter().copied()).collect(),
             units: Summary::units_of(model.dimensions, &measure_units),
             measure_units,
@@ -601,6 +632,13 @@ impl Persist for Recorder {
         self.audits.persist(&of("audits"), archive)?;
         require(self.audits.audits <= MOST_COUNTED, &of("audits.audits"))?;
         self.engine_bytes.persist(&of("engine_bytes"), archive)?;
-        self.seconds.persist(&of("seconds"), archive)
+        self.seconds.persist(&of("seconds"), archive)?;
+        self.driven.persist(&of("driven"), archive)?;
+        // Without loads there is none, and nothing of it in the saved state.
+        if self.driven.is_driven() {
+            return self.load_work.persist(&of("load_work"), archive);
+        }
+        self.load_work = 0.0;
+        Ok(())
     }
 }

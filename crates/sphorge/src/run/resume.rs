@@ -4,6 +4,7 @@ use super::{
     checkpoint::{CheckpointPlan, Keeper},
     drive::{conclude, go_on},
     error::RunError,
+    listed,
     progress::{Observer, Pace, RunStart},
     schedule::arrived,
     state::{Beginning, RunState},
@@ -11,7 +12,7 @@ use super::{
 use crate::{
     deck::{DeckReport, Setup, load_text_within},
     engine::{EngineKind, FieldSource, Simulation},
-    model::TimeControl,
+    model::{Model, Solid, TimeControl},
     number::plain_quantity,
     output::{
         Checkpoint, DECK, Durability, EndReason, OutputError, RunDirectory, Status, Summary, checkpoints, last_step,
@@ -59,6 +60,13 @@ pub enum ResumeError {
         /// Whether the run in it has reached its end.
         has_ended: bool,
     },
+    /// It was stopped before its first step.
+    #[error("the run in {} has taken no step from which it could continue", path.display())]
+    #[diagnostic(code(sphorge::run::unstepped), help("run the deck again: its folder is free for that"))]
+    Unstepped {
+        /// The folder.
+        path: PathBuf,
+    },
     /// A change that would make another run of it.
     #[error("`{key}` cannot change when a run is resumed")]
     #[diagnostic(
@@ -97,6 +105,25 @@ pub enum ResumeError {
         /// Reached, s.
         reached: f64,
     },
+    /// It was saved under loads or velocities that a program gave.
+    #[error("a program gave loads or velocities to the run in {}", path.display())]
+    #[diagnostic(
+        code(sphorge::run::driven),
+        help("resume it by that program: from the command line nothing would give them; or run the deck again")
+    )]
+    Driven {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A file of particles is not what it was.
+    #[error("the particles of `{body}` in {} have changed since the run began", file.display())]
+    #[diagnostic(code(sphorge::run::listed), help("bring the file back to what it was, or run the deck again"))]
+    Listed {
+        /// The body.
+        body: String,
+        /// The file.
+        file: PathBuf,
+    },
     /// The changes do not fit the deck.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -125,7 +152,9 @@ fn how_to_go_further(reason: EndReason, saved_at: Option<f64>) -> String {
     let change = match reason {
         EndReason::KineticEnergy => "a smaller `--set time.stop-kinetic-fraction=...`",
         EndReason::MaxSteps => "a larger `--set time.max-steps=...`",
-        EndReason::EndTime | EndReason::User | EndReason::Failure => "a later `--set time.end=...`",
+        EndReason::EndTime | EndReason::User | EndReason::Program | EndReason::Failure => {
+            "a later `--set time.end=...`"
+        }
     };
     let from = saved_at
         .map_or_else(String::new, |time| format!(" from its last checkpoint, at {}", plain_quantity(time, "s")));
@@ -155,6 +184,9 @@ pub fn resume(
         .map_err(|source| ResumeError::Run(RunError::Threads { threads, source }))?;
     if !RunDirectory::open(path)?.is_of_a_run() {
         return Err(ResumeError::NoCheckpoint { path: path.to_owned(), has_ended: false });
+    }
+    if RunDirectory::has_taken_no_step(path) {
+        return Err(ResumeError::Unstepped { path: path.to_owned() });
     }
     let directory = RunDirectory::go_on(path, options.by_force)?;
     let mut passed_over = Vec::new();
@@ -255,6 +287,21 @@ fn steps_done(directory: &RunDirectory) -> u64 {
     of_summary.ok().or_else(|| last_step(directory)).unwrap_or(0)
 }
 
+/// The first body whose particles are listed in a file that is not what it was, and the file.
+fn changed_list(checkpoint: &Checkpoint, model: &Model) -> Option<(String, PathBuf)> {
+    let saved = &checkpoint.about.listed;
+    if saved.is_empty() {
+        return None;
+    }
+    let sums = listed::sums(model);
+    model.bodies.iter().find_map(|body| match &body.shape.solid {
+        Solid::Cloud { file, .. } if saved.get(&body.name).is_some_and(|sum| sums.get(&body.name) != Some(sum)) => {
+            Some((body.name.clone(), file.clone()))
+        }
+        _ => None,
+    })
+}
+
 /// What a run goes on from.
 struct Saved {
     directory: RunDirectory,
@@ -295,6 +342,9 @@ fn go_on_from(
             return Err(ResumeError::Ended { path, status, reason, time, steps, saved_at });
         }
     }
+    if let Some((body, file)) = changed_list(&checkpoint, &model) {
+        return Err(ResumeError::Listed { body, file });
+    }
     kind.supports(&model)
         .map_err(|unsupported| ResumeError::Run(RunError::Unsupported { engine: kind.name(), unsupported }))?;
     kind.take_deck(&checkpoint.about.deck_name, &deck_text);
@@ -314,6 +364,9 @@ fn go_on_from(
     }
     if let Some(name) = state.impossible_number(deck_text == checkpoint.deck) {
         return Ok(Err(format!("its `{name}` is not that of a run")));
+    }
+    if state.simulation.is_driven() && !observer.drives() {
+        return Err(ResumeError::Driven { path });
     }
     tell_others(passed_over.len(), observer);
     let repeated = match steps_done(&directory).saturating_sub(about.step) {

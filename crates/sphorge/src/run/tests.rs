@@ -218,6 +218,7 @@ fn setup(model: Model) -> Setup {
         masses,
         deck_text: "title = \"A test\"\n".into(),
         notes: Vec::new(),
+        notes_unless_driven: Vec::new(),
         catalogue_notes: Vec::new(),
     }
 }

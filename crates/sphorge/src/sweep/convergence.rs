@@ -4,10 +4,13 @@
 //! `(f3 - f2) / (f2 - f1) = (h3^p - h2^p) / (h2^p - h1^p)`, and the limit from `f1 - (f2 - f1) / ((h2/h1)^p - 1)` (Roache, *Verification and
 //! Validation in Computational Science and Engineering*, 1998, 5.10). Where the differences change their sign or do not shrink there is neither.
 
-use super::{Sweep, SweepError, SweepTable, Varied, plan::Load};
+use super::{
+    Planning, Sweep, SweepError, SweepTable, Varied,
+    plan::{Load, MOST_RUNS},
+    table::unquoted,
+};
 use crate::{
     deck::{DeckReport, Setup},
-    engine::EngineKind,
     number::{four_digits, plain, plain_quantity},
     output::{Durability, OutputError, write_file},
 };
@@ -18,6 +21,9 @@ use std::{fmt, path::Path};
 const HIGHEST_ORDER: f64 = 20.0;
 /// Values that differ by less, relative to their size, are the same.
 const SAME: f64 = 1e-12;
+/// Differences of a measure that are less than this share of what else is measured in its unit are rounding: such as those of a mean velocity
+/// across the one that bodies have.
+const BESIDE: f64 = 1e-13;
 
 /// A sweep over the particle spacing.
 #[derive(Clone, Debug)]
@@ -35,12 +41,13 @@ pub struct SpacedDeck {
 pub fn spaced(
     load: impl Fn(&[(String, String)]) -> Result<Setup, DeckReport>,
     spacings: &[String],
-    folder: &Path,
-    engine: &dyn EngineKind,
-    again: bool,
+    planning: &Planning<'_>,
 ) -> Result<SpacedDeck, SweepError> {
     const KEY: &str = "particles.spacing";
     let fault = |what: &str, help: &str| SweepError::Varied { what: what.to_owned(), help: help.to_owned() };
+    if spacings.len() > MOST_RUNS {
+        return Err(fault(&format!("these are more than {MOST_RUNS} runs"), "give fewer spacings"));
+    }
     let varied = Varied { key: KEY.to_owned(), values: spacings.to_vec() };
     let Some((numbers, "m")) = varied.numbers() else {
         return Err(fault("the spacings are not all lengths", "write them as \"0.6 mm,0.3 mm,0.15 mm\""));
@@ -77,7 +84,7 @@ pub fn spaced(
     let varied = Varied { key: KEY.to_owned(), values: order.iter().map(|k| spacings[*k].clone()).collect() };
     let in_proportion = bodies.iter().map(|(_, name, _)| (*name).to_owned()).collect();
     let load: &Load<'_> = &load;
-    let sweep = Sweep::of(load, vec![varied], order.iter().map(set).collect(), folder, engine, again)?;
+    let sweep = Sweep::of(load, vec![varied], order.iter().map(set).collect(), planning)?;
     Ok(SpacedDeck { sweep, in_proportion })
 }
 
@@ -111,10 +118,10 @@ impl Convergence {
             let values: Vec<Option<f64>> = table.rows.iter().map(|row| row.measure(&column.name)).collect();
             let points: Vec<(f64, f64)> =
                 values.iter().enumerate().filter_map(|(k, value)| spacing(k).zip(*value)).collect();
-            let limit = order_and_limit(&points);
+            let limit = order_and_limit(&points, BESIDE * magnitude(table, &column.unit));
             MeasureConvergence { name: column.name.clone(), unit: column.unit.clone(), values, limit }
         };
-        let spacings = table.rows.iter().map(|row| row.values[0].trim_matches('"').to_owned()).collect();
+        let spacings = table.rows.iter().map(|row| unquoted(&row.values[0])).collect();
         Self { spacings, measures: table.measures.iter().map(measure).collect() }
     }
 
@@ -178,13 +185,32 @@ impl fmt::Display for Convergence {
     }
 }
 
-/// Observed order and limit of values over spacings, coarse to fine, from the three finest.
-fn order_and_limit(points: &[(f64, f64)]) -> Result<(f64, f64), &'static str> {
+/// Size of what is measured in a unit, SI: the largest of the measures that have it, what particles are apart, and how fast they are to be so
+/// in the time of a run.
+fn magnitude(table: &SweepTable, unit: &str) -> f64 {
+    let alike = table.measures.iter().filter(|of| of.unit == unit);
+    let measured = alike.flat_map(|of| table.rows.iter().filter_map(|row| row.measure(&of.name)));
+    let of_particles = table.rows.iter().filter_map(|row| {
+        let (spacing, summary) = row.numbers.first().copied().flatten().zip(row.summary.as_ref())?;
+        match unit {
+            "m" => Some(spacing),
+            "m/s" if summary.simulated_time > 0.0 => Some(spacing / summary.simulated_time),
+            _ => None,
+        }
+    });
+    measured.chain(of_particles).map(f64::abs).filter(|x| x.is_finite()).fold(0.0, f64::max)
+}
+
+/// Observed order and limit of values over spacings, coarse to fine, from the three finest. Differences of `rounding` and less say nothing.
+fn order_and_limit(points: &[(f64, f64)], rounding: f64) -> Result<(f64, f64), &'static str> {
     let [.., (h3, f3), (h2, f2), (h1, f1)] = *points else { return Err("needs three spacings") };
     let (coarse, fine) = (f3 - f2, f2 - f1);
-    let size = SAME * f1.abs().max(f2.abs()).max(f3.abs());
-    if coarse.abs() <= size && fine.abs() <= size {
+    let size = (SAME * f1.abs().max(f2.abs()).max(f3.abs())).max(rounding);
+    if coarse == 0.0 && fine == 0.0 {
         return Err("does not change");
+    }
+    if coarse.abs() <= size || fine.abs() <= size {
+        return Err("no trend above rounding");
     }
     if coarse * fine <= 0.0 {
         return Err("oscillates");
@@ -218,23 +244,62 @@ mod tests {
             [([0.4, 0.2, 0.1], 1.0), ([0.4, 0.2, 0.1], 2.0), ([0.5, 0.3, 0.21], 1.37), ([1e-3, 9e-4, 7e-4], 0.4)]
         {
             let points: Vec<_> = spacings.iter().map(|h: &f64| (*h, 7.0 - 3.0 * h.powf(order))).collect();
-            let (found, limit) = order_and_limit(&points).unwrap();
+            let (found, limit) = order_and_limit(&points, 0.0).unwrap();
             assert!((found - order).abs() < 1e-6 && (limit - 7.0).abs() < 1e-7, "{found} {limit}");
             // Coarser ones are not looked at.
             let more = [&[(2.0, -50.0)], &points[..]].concat();
-            assert_eq!(order_and_limit(&more).unwrap(), (found, limit));
+            assert_eq!(order_and_limit(&more, 0.0).unwrap(), (found, limit));
         }
     }
 
     #[test]
     fn where_there_is_no_order_it_is_said_why() {
-        let of =
-            |values: [f64; 3]| order_and_limit(&[(0.4, values[0]), (0.2, values[1]), (0.1, values[2])]).unwrap_err();
+        let of = |values: [f64; 3]| {
+            order_and_limit(&[(0.4, values[0]), (0.2, values[1]), (0.1, values[2])], 1e-13).unwrap_err()
+        };
         assert_eq!(of([1.0, 3.0, 2.0]), "oscillates");
         assert_eq!(of([1.0, 2.0, 4.0]), "does not converge");
         assert_eq!(of([1.0, 2.0, 3.0]), "does not converge");
         assert_eq!(of([2.0, 2.0, 2.0]), "does not change");
-        assert_eq!(order_and_limit(&[(0.2, 1.0), (0.1, 2.0)]), Err("needs three spacings"));
+        assert_eq!(order_and_limit(&[(0.2, 1.0), (0.1, 2.0)], 0.0), Err("needs three spacings"));
+        // Rounding, beside one and of something that is zero: signs and ratios of such differences would be of any order.
+        for values in
+            [[1.0 + 8e-16, 1.0 + 4e-16, 1.0], [8e-16, 2e-16, 0.5e-16], [-3e-16, 2e-16, 1e-16], [1.0, 0.5, 0.5 - 1e-16]]
+        {
+            assert_eq!(of(values), "no trend above rounding", "{values:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_rounding_is_seen_beside_what_is_measured_in_the_same_unit() {
+        use crate::output::{Status, testing};
+        let column =
+            |name: &str, unit: &str| crate::sweep::SweepColumn { name: name.to_owned(), unit: unit.to_owned() };
+        let row = |h: f64, across: f64| {
+            let measures = [("along", Some(100.0 - 1e3 * h)), ("across", Some(across)), ("share", Some(across))];
+            let summary = crate::output::Summary {
+                status: Status::Completed,
+                measures: measures.map(|(name, value)| (name.to_owned(), value)).into(),
+                ..testing::summary(2.0)
+            };
+            let summary = Some(Box::new(summary));
+            crate::sweep::SweepRow {
+                values: vec![h.to_string()],
+                numbers: vec![Some(h)],
+                summary,
+                ..Default::default()
+            }
+        };
+        let table = SweepTable {
+            keys: vec![column("particles.spacing", "m")],
+            measures: vec![column("along", "m/s"), column("across", "m/s"), column("share", "")],
+            rows: vec![row(4e-3, 8e-15), row(2e-3, 4e-15), row(1e-3, 2e-15)],
+        };
+        let limits: Vec<_> = Convergence::of(&table).measures.into_iter().map(|of| of.limit).collect();
+        assert!((limits[0].unwrap().0 - 1.0).abs() < 1e-6, "{limits:?}");
+        assert_eq!(limits[1], Err("no trend above rounding"));
+        // Nothing tells how large this one could be.
+        assert!(limits[2].is_ok());
     }
 
     #[test]
@@ -246,7 +311,8 @@ mod tests {
         let load = |set: &[(String, String)]| crate::deck::load_text(deck.name, deck.text, &[&own[..], set].concat());
         let plan = |spacings: &[&str]| {
             let spacings: Vec<String> = spacings.iter().map(|text| (*text).to_owned()).collect();
-            spaced(load, &spacings, folder.path(), ENGINES[0], false)
+            let stop = std::sync::atomic::AtomicBool::new(false);
+            spaced(load, &spacings, &Planning { folder: folder.path(), engine: ENGINES[0], again: false, stop: &stop })
         };
         let planned = plan(&["1 mm", "4 mm", "2 mm"]).unwrap();
         assert_eq!(planned.in_proportion, ["bar"]);

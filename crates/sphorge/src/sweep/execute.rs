@@ -1,7 +1,7 @@
 //! Runs of a sweep, as processes.
 
-use super::{Planned, Sweep, SweepError, SweepRow, SweepTable};
-use crate::output::{Durability, OutputError, write_file};
+use super::{Planned, Sweep, SweepError, SweepRow, SweepRun, SweepTable, plan::planned, table::Numbers};
+use crate::output::{Claim, Durability, Folder, OutputError, write_file};
 use std::{
     ffi::OsString,
     fs,
@@ -57,11 +57,19 @@ pub fn execute(
 ) -> Result<SweepTable, SweepError> {
     let unwritable = |source| OutputError::Unwritable { path: sweep.folder.clone(), source };
     fs::create_dir_all(&sweep.folder).map_err(unwritable)?;
-    let due: Vec<usize> = (0..sweep.runs.len()).filter(|&k| sweep.runs[k].planned != Planned::Nothing).collect();
+    let _claim = claim(sweep)?;
+    // Another study may have made some of them since they were planned.
+    let now = |run: &SweepRun| match run.planned {
+        Planned::Again if sweep.again => Ok(Planned::Again),
+        _ => planned(&sweep.directory(run), &run.deck_text, false),
+    };
+    let plan = sweep.runs.iter().map(now).collect::<Result<Vec<_>, _>>()?;
+    let due: Vec<usize> = (0..sweep.runs.len()).filter(|&k| plan[k] != Planned::Nothing).collect();
     for &k in &due {
         let text = &sweep.runs[k].deck_text;
         write_file(&sweep.deck(&sweep.runs[k]), Durability::Process, |out| out.write_all(text.as_bytes()))?;
     }
+    let numbers = Numbers::of(sweep);
     let table = Mutex::new(SweepTable::read(sweep));
     let failed = Mutex::new(None);
     let write = |table: &SweepTable| {
@@ -75,9 +83,9 @@ pub fn execute(
         while !stop.load(Ordering::Relaxed) {
             let Some(&k) = due.get(next.fetch_add(1, Ordering::Relaxed)) else { return };
             tell(SweepEvent::Begins(k));
-            let told = run(sweep, k, process, stop);
+            let told = run(sweep, k, plan[k], process, stop);
             let mut table = lock(&table);
-            let row = SweepRow { told, ..SweepRow::read(sweep, k) };
+            let row = SweepRow { told, ..SweepRow::read(sweep, k, &numbers) };
             tell(SweepEvent::Ended(k, &row));
             table.rows[k] = row;
             table.find_measures();
@@ -100,23 +108,33 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Takes the folder of a sweep, which no other one may write to meanwhile: both would make the same runs.
+fn claim(sweep: &Sweep) -> Result<Claim, SweepError> {
+    let unwritable = |source| OutputError::Unwritable { path: sweep.folder.clone(), source };
+    let folder = Folder::open(&sweep.folder).map_err(unwritable)?;
+    Claim::take(folder, false).map_err(|error| match error {
+        OutputError::Locked { path, owner } => SweepError::Locked { path, owner },
+        other => other.into(),
+    })
+}
+
 /// Makes a run, and returns what its process told where it did not end well.
-fn run(sweep: &Sweep, k: usize, process: &Process, stop: &AtomicBool) -> Option<String> {
+fn run(sweep: &Sweep, k: usize, planned: Planned, process: &Process, stop: &AtomicBool) -> Option<String> {
     let run = &sweep.runs[k];
     let directory = sweep.directory(run);
     let (program, own) = process.program.split_first()?;
     let mut command = Command::new(program);
     command.args(own);
-    match run.planned {
+    match planned {
         Planned::Resume => command.arg("resume").arg(&directory),
         Planned::New | Planned::Again | Planned::Nothing => {
             command.arg("run").arg(sweep.deck(run)).arg("-o").arg(&directory)
         }
     };
-    if run.planned == Planned::Again {
+    if planned == Planned::Again {
         command.arg("--overwrite");
     }
-    if let Some(engine) = process.engine.as_ref().filter(|_| run.planned != Planned::Resume) {
+    if let Some(engine) = process.engine.as_ref().filter(|_| planned != Planned::Resume) {
         command.args(["--engine", engine]);
     }
     if let Some(device) = &process.device {

@@ -9,16 +9,18 @@
 //! | `sweep.csv` | the table: a row for each run; written anew whenever a run ends |
 //! | `NAME.toml` | the deck of a run |
 //! | `NAME/` | the folder of that run |
+//! | `.sphorge-lock` | the process that makes the runs: another study in the folder is refused |
 
 mod convergence;
 mod execute;
 mod name;
+mod parquet;
 mod plan;
 mod table;
 mod vary;
 
 pub use convergence::{Convergence, MeasureConvergence, SpacedDeck, spaced};
 pub use execute::{Process, SweepEvent, execute};
-pub use plan::{Planned, Sweep, SweepError, SweepRun};
+pub use plan::{Planned, Planning, Sweep, SweepError, SweepRun};
 pub use table::{SweepColumn, SweepRow, SweepTable};
 pub use vary::Varied;

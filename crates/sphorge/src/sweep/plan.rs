@@ -2,7 +2,7 @@
 
 use super::{Varied, name};
 use crate::{
-    deck::{DeckReport, Setup},
+    deck::{DeckReport, Setup, overlapping_keys},
     engine::{EngineKind, Unsupported},
     output::{OutputError, RunDirectory, Status, Summary},
 };
@@ -10,10 +10,11 @@ use std::{
     collections::{BTreeSet, HashSet},
     fs,
     path::{Path, PathBuf},
+    sync::atomic::{AtomicBool, Ordering},
 };
 
 /// Most runs of a sweep.
-const MOST_RUNS: usize = 10_000;
+pub(super) const MOST_RUNS: usize = 10_000;
 
 /// Every combination of the values of some keys.
 #[derive(Clone, Debug)]
@@ -26,6 +27,8 @@ pub struct Sweep {
     pub runs: Vec<SweepRun>,
     /// Measures that any of the decks declares.
     pub measures: Vec<String>,
+    /// Whether runs that are there are made again.
+    pub(super) again: bool,
 }
 
 /// One of the runs.
@@ -37,8 +40,22 @@ pub struct SweepRun {
     pub values: Vec<String>,
     /// Its deck, everything that was set worked in.
     pub deck_text: String,
+    /// What there is to note of it before it is made, such as that its spacing does not fit a body.
+    pub notes: Vec<String>,
     /// What there is to do.
     pub planned: Planned,
+}
+
+/// How runs are to be planned.
+pub struct Planning<'a> {
+    /// Folder that the folders of the runs are in.
+    pub folder: &'a Path,
+    /// What runs the decks.
+    pub engine: &'a dyn EngineKind,
+    /// Whether runs that are there are made again.
+    pub again: bool,
+    /// Looked at before each deck: where it becomes true, there is no sweep.
+    pub stop: &'a AtomicBool,
 }
 
 /// What there is to do for a run.
@@ -102,6 +119,22 @@ pub enum SweepError {
         /// The folder.
         path: PathBuf,
     },
+    /// Another study makes runs in the folder.
+    #[error("another study makes runs in {}: {owner}", path.display())]
+    #[diagnostic(
+        code(sphorge::sweep::locked),
+        help("wait until it has ended: the same command then finds its runs; or choose another folder with `-o DIR`")
+    )]
+    Locked {
+        /// The folder.
+        path: PathBuf,
+        /// The process, as it calls itself.
+        owner: String,
+    },
+    /// It was stopped before all decks were read.
+    #[error("the study was stopped before its first run")]
+    #[diagnostic(code(sphorge::sweep::stopped))]
+    Stopped,
     /// Something else is in the way, or cannot be written.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -124,17 +157,14 @@ pub(super) type Set = (Vec<String>, Vec<(String, String)>);
 pub(super) type Load<'a> = dyn Fn(&[(String, String)]) -> Result<Setup, DeckReport> + 'a;
 
 impl Sweep {
-    /// Plans every combination: reads and fills the deck of each by `load`, and looks at what the folder has of it. Nothing is written. `again` makes
-    /// runs again that are there.
+    /// Plans every combination: reads and fills the deck of each by `load`, and looks at what the folder has of it. Nothing is written.
     ///
     /// # Errors
     /// See [`SweepError`]: the first run that cannot be made.
     pub fn plan(
         load: impl Fn(&[(String, String)]) -> Result<Setup, DeckReport>,
         varied: Vec<Varied>,
-        folder: &Path,
-        engine: &dyn EngineKind,
-        again: bool,
+        planning: &Planning<'_>,
     ) -> Result<Self, SweepError> {
         check(&varied)?;
         let combinations = combinations(&varied);
@@ -142,7 +172,36 @@ impl Sweep {
             let set = varied.iter().map(|of| of.key.clone()).zip(values.iter().cloned()).collect();
             (values, set)
         });
-        Self::of(&load, varied.clone(), set.collect(), folder, engine, again)
+        Self::of(&load, varied.clone(), set.collect(), planning)
+    }
+
+    /// The same for given combinations alone, each of as many values as there are keys: what a search for values asks for.
+    ///
+    /// # Errors
+    /// As above.
+    pub fn points(
+        load: impl Fn(&[(String, String)]) -> Result<Setup, DeckReport>,
+        keys: &[String],
+        points: &[Vec<String>],
+        planning: &Planning<'_>,
+    ) -> Result<Self, SweepError> {
+        let fault = |what: &str, help: &str| SweepError::Varied { what: what.to_owned(), help: help.to_owned() };
+        if points.is_empty() || keys.is_empty() {
+            return Err(fault("there is nothing to run", "give keys and a value for each"));
+        }
+        if points.len() > MOST_RUNS || points.iter().any(|point| point.len() != keys.len()) {
+            return Err(fault("the points do not fit the keys", "give a value for each key"));
+        }
+        if points.iter().collect::<HashSet<_>>().len() < points.len() {
+            return Err(fault("a point is given twice", "give each once"));
+        }
+        let set = |values: &Vec<String>| (values.clone(), keys.iter().cloned().zip(values.iter().cloned()).collect());
+        let varied = |(k, key): (usize, &String)| Varied {
+            key: key.clone(),
+            values: points.iter().map(|point| point[k].clone()).collect(),
+        };
+        let varied = keys.iter().enumerate().map(varied).collect();
+        Self::of(&load, varied, points.iter().map(set).collect(), planning)
     }
 
     /// The same for given values, each with what is set for it.
@@ -150,10 +209,9 @@ impl Sweep {
         load: &Load<'_>,
         varied: Vec<Varied>,
         sets: Vec<Set>,
-        folder: &Path,
-        engine: &dyn EngineKind,
-        again: bool,
+        planning: &Planning<'_>,
     ) -> Result<Self, SweepError> {
+        let Planning { folder, engine, again, stop } = *planning;
         if RunDirectory::is_run(folder) {
             return Err(SweepError::Unknown {
                 what: format!("{} is the folder of a run", folder.display()),
@@ -165,9 +223,15 @@ impl Sweep {
         let mut runs = Vec::with_capacity(count);
         let mut measures = BTreeSet::new();
         for (k, (values, set)) in sets.into_iter().enumerate() {
+            if stop.load(Ordering::Relaxed) {
+                return Err(SweepError::Stopped);
+            }
             let which = || format!("run {} of {count}", k + 1);
             let told = || set.iter().map(|(key, value)| format!("{key}={value}")).collect::<Vec<_>>().join(", ");
             let setup = load(&set).map_err(|source| SweepError::Deck { which: which(), set: told(), source })?;
+            if k == 0 {
+                tell_apart(&setup.deck_text, &varied)?;
+            }
             engine.supports(&setup.model).map_err(|unsupported| SweepError::Unsupported {
                 engine: engine.name(),
                 which: which(),
@@ -180,9 +244,24 @@ impl Sweep {
                 names.insert(name.to_lowercase());
             }
             let planned = planned(&folder.join(&name), &setup.deck_text, again)?;
-            runs.push(SweepRun { name, values, deck_text: setup.deck_text, planned });
+            let notes = setup.all_notes();
+            runs.push(SweepRun { name, values, deck_text: setup.deck_text, notes, planned });
         }
-        Ok(Self { folder: folder.to_owned(), varied, runs, measures: measures.into_iter().collect() })
+        Ok(Self { folder: folder.to_owned(), varied, runs, measures: measures.into_iter().collect(), again })
+    }
+
+    /// What there is to note of the runs: each once, with the number of the first run that it is of, and of how many it is.
+    pub fn notes(&self) -> Vec<(&str, usize, usize)> {
+        let mut notes: Vec<(&str, usize, usize)> = Vec::new();
+        for (k, run) in self.runs.iter().enumerate() {
+            for note in &run.notes {
+                match notes.iter_mut().find(|(known, ..)| known == note) {
+                    Some((_, _, count)) => *count += 1,
+                    None => notes.push((note, k, 1)),
+                }
+            }
+        }
+        notes
     }
 
     /// The folder of a run.
@@ -196,11 +275,29 @@ impl Sweep {
     }
 }
 
+/// Refuses keys of which one would undo the other: rows of the table would state what no run had.
+fn tell_apart(deck: &str, varied: &[Varied]) -> Result<(), SweepError> {
+    let keys: Vec<&str> = varied.iter().map(|of| of.key.as_str()).collect();
+    match overlapping_keys(deck, &keys) {
+        None => Ok(()),
+        Some((a, b)) => Err(SweepError::Varied {
+            what: format!("`{}` and `{}` set the same", keys[a], keys[b]),
+            help: "a vector and its components, or two names of one key, cannot be varied together: choose one"
+                .to_owned(),
+        }),
+    }
+}
+
 /// What is wrong with keys and values as such.
 fn check(varied: &[Varied]) -> Result<(), SweepError> {
     let fault = |what: String, help: &str| Err(SweepError::Varied { what, help: help.to_owned() });
     if varied.is_empty() {
         return fault("no key is varied".to_owned(), "give one: `--vary particles.spacing=\"0.6 mm,0.3 mm\"`");
+    }
+    // Before anything is read of them.
+    let count = varied.iter().try_fold(1usize, |count, of| count.checked_mul(of.values.len()));
+    if count.is_none_or(|count| count > MOST_RUNS) {
+        return fault(format!("these are more than {MOST_RUNS} runs"), "vary fewer keys, or give fewer values");
     }
     for (k, of) in varied.iter().enumerate() {
         let key = &of.key;
@@ -210,20 +307,17 @@ fn check(varied: &[Varied]) -> Result<(), SweepError> {
         if of.values.is_empty() {
             return fault(format!("`{key}` has no values"), "give at least one");
         }
-        let numbers = of.numbers();
-        let same = |a: usize, b: usize| match &numbers {
-            Some((numbers, _)) => numbers[a] == numbers[b],
-            None => of.values[a] == of.values[b],
+        let (mut texts, mut numbers) = (HashSet::new(), HashSet::new());
+        let second = match of.numbers() {
+            // Zero has two signs.
+            Some((values, _)) => values.iter().position(|value| !numbers.insert((value + 0.0).to_bits())),
+            None => of.values.iter().position(|value| !texts.insert(value)),
         };
-        if let Some(second) = (0..of.values.len()).find(|&b| (0..b).any(|a| same(a, b))) {
+        if let Some(second) = second {
             return fault(format!("`{key}` has the value `{}` twice", of.values[second]), "give each value once");
         }
     }
-    let count = varied.iter().try_fold(1usize, |count, of| count.checked_mul(of.values.len()));
-    match count {
-        Some(count) if count <= MOST_RUNS => Ok(()),
-        _ => fault(format!("these are more than {MOST_RUNS} runs"), "vary fewer keys, or give fewer values"),
-    }
+    Ok(())
 }
 
 /// Every combination of values, those of the last key changing first.
@@ -238,7 +332,7 @@ fn combinations(varied: &[Varied]) -> Vec<Vec<String>> {
 }
 
 /// What there is to do for the run of a deck in a folder.
-fn planned(path: &Path, deck_text: &str, again: bool) -> Result<Planned, SweepError> {
+pub(super) fn planned(path: &Path, deck_text: &str, again: bool) -> Result<Planned, SweepError> {
     match RunDirectory::check(path, false) {
         Ok(()) => return Ok(Planned::New),
         Err(OutputError::Exists { .. }) => RunDirectory::check(path, true)?,
@@ -270,13 +364,18 @@ mod tests {
         texts.iter().map(|text| Varied::read(text).unwrap()).collect()
     }
 
+    fn planning(folder: &Path) -> Planning<'_> {
+        static GO: AtomicBool = AtomicBool::new(false);
+        Planning { folder, engine: ENGINES[0], again: false, stop: &GO }
+    }
+
     fn plan(texts: &[&str], folder: &Path) -> Result<Sweep, SweepError> {
         let deck = decks::find("iron-plate").unwrap();
         let load = |set: &[(String, String)]| {
             let coarse = [("particles.spacing".to_owned(), "1.2 mm".to_owned())];
             crate::deck::load_text(deck.name, deck.text, &[&coarse[..], set].concat())
         };
-        Sweep::plan(load, varied(texts), folder, ENGINES[0], false)
+        Sweep::plan(load, varied(texts), &planning(folder))
     }
 
     #[test]
@@ -294,6 +393,45 @@ mod tests {
     }
 
     #[test]
+    fn points_are_runs_as_they_are_given() {
+        let folder = tempfile::tempdir().unwrap();
+        let deck = decks::find("iron-plate").unwrap();
+        let keys = ["body.bar.velocity.1", "particles.spacing"].map(str::to_owned);
+        let plan = |points: &[[&str; 2]]| {
+            let points: Vec<_> = points.iter().map(|point| point.map(str::to_owned).to_vec()).collect();
+            let load = |set: &[(String, String)]| crate::deck::load_text(deck.name, deck.text, set);
+            Sweep::points(load, &keys, &points, &planning(folder.path()))
+        };
+        let sweep = plan(&[["-100 m/s", "2 mm"], ["-50 m/s", "1.2 mm"], ["-100 m/s", "1.2 mm"]]).unwrap();
+        let names: Vec<_> = sweep.runs.iter().map(|run| run.name.as_str()).collect();
+        assert_eq!(names[1], "body.bar.velocity.1=-50m_s,particles.spacing=1.2mm");
+        assert!(names.len() == 3 && sweep.runs[2].deck_text.contains("-100 m/s"));
+        assert_eq!(sweep.varied[1].values, ["2 mm", "1.2 mm", "1.2 mm"]);
+        for points in [&[][..], &[["-1 m/s", "2 mm"]; 2], &[["-1 m/s", "2 s"]]] {
+            assert!(plan(points).is_err(), "{points:?}");
+        }
+    }
+
+    #[test]
+    fn a_stop_is_looked_at_before_each_deck() {
+        let folder = tempfile::tempdir().unwrap();
+        let deck = decks::find("iron-plate").unwrap();
+        let (stop, read) = (AtomicBool::new(false), std::cell::Cell::new(0));
+        let load = |set: &[(String, String)]| {
+            read.set(read.get() + 1);
+            stop.store(read.get() == 2, Ordering::Relaxed);
+            let coarse = [("particles.spacing".to_owned(), "2 mm".to_owned())];
+            crate::deck::load_text(deck.name, deck.text, &[&coarse[..], set].concat())
+        };
+        let planning = Planning { stop: &stop, ..planning(folder.path()) };
+        let stopped = Sweep::plan(load, varied(&["time.max-steps=1,2,3,4"]), &planning);
+        assert!(matches!(stopped, Err(SweepError::Stopped)) && read.get() == 2, "{stopped:?}");
+        // Too many values are counted before they are compared with each other: of these none is new.
+        let many = Varied { key: "time.max-steps".to_owned(), values: vec!["7".to_owned(); MOST_RUNS + 1] };
+        assert!(check(&[many]).unwrap_err().to_string().contains("more than 10000 runs"));
+    }
+
+    #[test]
     fn faults_are_told_before_anything_is_run() {
         let folder = tempfile::tempdir().unwrap();
         let fault = |texts: &[&str]| {
@@ -305,6 +443,15 @@ mod tests {
             told
         };
         assert!(fault(&["time.end=1 us,2 us", "time.end=3 us"]).contains("`time.end` is varied twice"));
+        for (a, b) in [
+            ("body.bar.velocity.1=-1 m/s,-2 m/s", "body.0.velocity.1=-3 m/s"),
+            ("\"particles\".spacing=1 mm", "particles.spacing=2 mm"),
+            ("body.bar.velocity=[0,-1],[0,-2]", "body.bar.velocity.1=-3 m/s"),
+        ] {
+            let key = |text: &str| format!("`{}`", text.split_once('=').unwrap().0);
+            let told = fault(&[a, b]);
+            assert!(told.contains(&key(a)) && told.contains(&key(b)) && told.contains("set the same"), "{told}");
+        }
         assert!(fault(&["time.end=1 us,1000 ns"]).contains("the value `1000 ns` twice"));
         assert!(fault(&["time.max-steps=1,2,1"]).contains("the value `1` twice"));
         let slip = fault(&["time.ent=1 us,2 us"]);

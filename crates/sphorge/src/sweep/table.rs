@@ -6,7 +6,11 @@ use crate::{
     output::{Durability, OutputError, RunDirectory, Status, Summary, write_file},
 };
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
-use std::{collections::BTreeMap, fmt, path::Path};
+use std::{
+    collections::{BTreeMap, HashMap},
+    fmt,
+    path::Path,
+};
 
 /// Name of the file.
 const FILE: &str = "sweep.csv";
@@ -46,15 +50,24 @@ pub struct SweepRow {
     pub told: Option<String>,
 }
 
+/// The number that each value of each key is, where all of the key are.
+pub(super) struct Numbers(Vec<HashMap<String, f64>>);
+
+impl Numbers {
+    pub(super) fn of(sweep: &Sweep) -> Self {
+        let of_key = |of: &super::Varied| {
+            let numbers = of.numbers().map(|(numbers, _)| numbers).unwrap_or_default();
+            of.values.iter().cloned().zip(numbers).collect()
+        };
+        Self(sweep.varied.iter().map(of_key).collect())
+    }
+}
+
 impl SweepRow {
     /// A run with what its folder says of it.
-    pub(super) fn read(sweep: &Sweep, k: usize) -> Self {
+    pub(super) fn read(sweep: &Sweep, k: usize, numbers: &Numbers) -> Self {
         let run = &sweep.runs[k];
-        let number = |(key, value): (usize, &String)| {
-            let of = &sweep.varied[key];
-            let place = of.values.iter().position(|known| known == value)?;
-            of.numbers().map(|(numbers, _)| numbers[place])
-        };
+        let number = |(key, value): (usize, &String)| numbers.0[key].get(value).copied();
         let summary = RunDirectory::open(&sweep.directory(run)).and_then(|folder| Summary::read(&folder)).ok();
         Self {
             run: run.name.clone(),
@@ -100,7 +113,8 @@ impl SweepTable {
             name: of.key.clone(),
             unit: of.numbers().map_or_else(String::new, |(_, unit)| unit.to_owned()),
         };
-        let rows = (0..sweep.runs.len()).map(|k| SweepRow::read(sweep, k)).collect();
+        let numbers = Numbers::of(sweep);
+        let rows = (0..sweep.runs.len()).map(|k| SweepRow::read(sweep, k, &numbers)).collect();
         let mut table = Self { keys: sweep.varied.iter().map(key).collect(), measures: Vec::new(), rows };
         table.find_measures();
         table
@@ -190,6 +204,12 @@ impl SweepTable {
     }
 }
 
+/// A value without its quotation marks.
+pub(super) fn unquoted(value: &str) -> String {
+    let inside = value.strip_prefix('"').and_then(|rest| rest.strip_suffix('"'));
+    inside.filter(|inside| !inside.contains(['"', '\\'])).unwrap_or(value).to_owned()
+}
+
 /// The last word of a key.
 fn short(key: &str) -> &str {
     let last = key.rsplit('.').next().unwrap_or(key);
@@ -219,7 +239,7 @@ impl fmt::Display for SweepTable {
             };
             let seconds =
                 row.summary.as_ref().map_or_else(|| "\u{2013}".to_owned(), |s| format!("{:.1} s", s.wall_seconds));
-            let values = row.values.iter().map(|value| value.trim_matches('"').to_owned()).collect();
+            let values = row.values.iter().map(|value| unquoted(value)).collect();
             table.add_row([values, vec![status], self.measures.iter().map(measure).collect(), vec![seconds]].concat());
         }
         for (k, column) in table.column_iter_mut().enumerate() {
@@ -293,6 +313,15 @@ mod tests {
             assert!(text.contains(shown), "`{shown}` is not in:\n{text}");
         }
         assert!(!text.contains("0.5 m") && !text.contains("500 mm"), "{text}");
+    }
+
+    #[test]
+    fn only_quotation_marks_around_a_value_are_left_out() {
+        for (value, shown) in
+            [("\"0.6 mm\"", "0.6 mm"), ("it's, \"x\"", "it's, \"x\""), ("\"", "\""), ("\"a\" \"b\"", "\"a\" \"b\"")]
+        {
+            assert_eq!(unquoted(value), shown);
+        }
     }
 
     #[test]

@@ -220,7 +220,7 @@ mod tests {
     fn report_of(expected_warnings: &'static [ExpectedWarning], may_fail: bool, findings: Findings) -> CaseReport {
         let summary =
             Summary { warnings: vec![testing::warning("pairing"), testing::warning("hot")], ..testing::summary(1.0) };
-        let history = HistoryTable { columns: Vec::new(), values: Vec::new() };
+        let history = HistoryTable { columns: Vec::new(), values: Vec::new(), words: Default::default() };
         let variant = Variant { may_fail, ..Variant::new("run") };
         let outcome = Ok(Finished { summary, history });
         let runs = Runs(vec![Run { variant, spacing: 1.0, directory: "x/case/run".into(), outcome }]);

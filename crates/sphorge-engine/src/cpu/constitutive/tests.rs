@@ -30,6 +30,7 @@ fn material(equation: (&str, &[f64]), flow: (&str, &[f64]), shear_modulus: f64, 
         taylor_quinney: 0.9,
         spall_pressure,
         spall_opening: 5e-5,
+        damage: None,
         reference_temperature: 298.0,
     }
 }
@@ -105,7 +106,7 @@ fn compare(instructions: Instructions, mixed: bool, only_flow_heats: bool, form:
     let integrity: Vec<f64> = (0..COUNT).map(|k| [1.0, 0.6, 0.0][k % 3]).collect();
     let mut particles: Vec<Particle> = (0..COUNT).map(|k| particle(&materials, mixed, k)).collect();
     for (p, integrity) in particles.iter_mut().zip(&integrity) {
-        if form.spalls && materials[p.material as usize].spalls() {
+        if form.breaks && materials[p.material as usize].breaks() {
             p.flow[2] *= integrity;
         }
     }
@@ -117,11 +118,12 @@ fn compare(instructions: Instructions, mixed: bool, only_flow_heats: bool, form:
         only_flow_heats,
         instructions,
         commit: true,
-        slots: &materials.iter().map(|m| if m.spalls() { vec![0] } else { Vec::new() }).collect::<Vec<_>>(),
+        slots: &materials.iter().map(|m| if m.breaks() { vec![0] } else { Vec::new() }).collect::<Vec<_>>(),
         history_width: 1,
         cold_energies: &materials.iter().map(Material::cold_energies).collect::<Vec<_>>(),
-        spalls: form.spalls,
+        breaks: form.breaks,
         support: 2.0,
+        end: 1e-6,
     };
     let mut columns = StressColumns::new();
     columns.repulsion = std::array::from_fn(|k| 0.2 + 0.01 * k as f64);
@@ -154,8 +156,8 @@ fn compare(instructions: Instructions, mixed: bool, only_flow_heats: bool, form:
     for (k, p) in particles.iter().enumerate() {
         let m = &materials[p.material as usize];
         let state = m.pressure(p.density, p.energy);
-        let before = if form.spalls && m.spalls() { integrity[k] } else { 1.0 };
-        let borne = match form.spalls {
+        let before = if form.breaks && m.breaks() { integrity[k] } else { 1.0 };
+        let borne = match form.breaks {
             true => m.borne(p.density, state.pressure, before, smeared_width(2.0, 1e-3)),
             false => Borne { pressure: state.pressure, integrity: 1.0, share: 1.0 },
         };
@@ -167,7 +169,7 @@ fn compare(instructions: Instructions, mixed: bool, only_flow_heats: bool, form:
         let trial = stress::trial_deviator(of_whole, &p.l, g, DT);
         let mut update = return_mapping_near(m.return_rule, law, g, trial, begin, &[], DT, p.flow[1]);
         elastic += usize::from(update.plastic_strain_increment == 0.0);
-        if form.spalls && m.spalls() && k != 50 {
+        if form.breaks && m.breaks() && k != 50 {
             assert_near(history[k], borne.integrity, 1.0, &format!("integrity of {k}"));
         }
         if before == 0.0 {
@@ -236,7 +238,7 @@ fn lanes_of_every_instruction_set_give_what_one_particle_at_a_time_does() {
         pair_form: PairForm::VolumeWeighted,
         bulk_viscosity: None,
         artificial_stress: true,
-        spalls: false,
+        breaks: false,
         dimension: Dimension::Three,
     };
     let scaled = StressForm { pair_form: PairForm::DensityWeighted, dimension: Dimension::Two, ..plain };
@@ -247,7 +249,7 @@ fn lanes_of_every_instruction_set_give_what_one_particle_at_a_time_does() {
     };
     for instructions in Instructions::available() {
         for form in
-            [plain, scaled, viscous, StressForm { spalls: true, ..plain }, StressForm { spalls: true, ..viscous }]
+            [plain, scaled, viscous, StressForm { breaks: true, ..plain }, StressForm { breaks: true, ..viscous }]
         {
             for mixed in [false, true] {
                 for only_flow_heats in [false, true] {
@@ -271,8 +273,9 @@ fn a_body_that_spins_turns_its_stress_and_an_empty_block_is_none() {
         slots: &vec![Vec::new(); materials.len()],
         history_width: 0,
         cold_energies: &materials.iter().map(Material::cold_energies).collect::<Vec<_>>(),
-        spalls: false,
+        breaks: false,
         support: 2.0,
+        end: 1e-6,
     };
     let mut columns = StressColumns::new();
     columns.density = [2710.0; BLOCK];

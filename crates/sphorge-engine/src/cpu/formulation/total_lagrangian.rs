@@ -14,7 +14,7 @@ use crate::cpu::kinematics::GradientSum;
 use crate::cpu::records::kinematic;
 use crate::cpu::sweeps::GradientSweep;
 use crate::lanes::{Job, Lanes, PairScalar, run};
-use crate::model::Model;
+use crate::model::{Material, Model};
 use crate::neighbors::{BLOCK, PAD};
 use crate::particles::Particles;
 use rayon::prelude::*;
@@ -101,6 +101,7 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
             smoothing_length,
             reference_volume,
             correction,
+            history,
             material,
             deviator,
             pressure,
@@ -112,6 +113,7 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
             (&*mass, &*reference_volume, &*smoothing_length, &*correction, &*flow);
         let (materials, has_thin_parts) = (&engine.model.materials, engine.has_thin_parts);
         let state = (&*material, &*deviator, &*pressure, &*sound_speed);
+        let (history, deletes) = (&*history, materials.iter().any(Material::deletes));
         (
             velocity_gradient.par_chunks_mut(BLOCK),
             neighbors.par_chunks_mut(BLOCK),
@@ -139,6 +141,11 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
                             stress: deviator[i] - SymmetricTensor::isotropic(pressure[i]),
                         };
                         rate = completed_rate(&f[k], &rate, &correction[i], &across, dt);
+                    }
+                    if deletes && materials[material[i] as usize].deletes() && history.integrity_of(i) == 0.0 {
+                        // What is deleted keeps its deformation and has no springs: nothing resists what its neighbours do, and it must
+                        // not limit the step.
+                        (rate, yielded[k]) = (tensor::zero(), 0.0);
                     }
                     l[k] = deform(&mut f[k], &rate, dt);
                     rho[k] = density_of(mass[i], volume[i], &f[k]);

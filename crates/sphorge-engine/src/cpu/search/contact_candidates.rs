@@ -10,14 +10,14 @@
 use super::super::domain::Domain;
 use super::surroundings::Surroundings;
 use crate::halo::Images;
-use crate::neighbors::{CellGrid, DisplacementBound, NeighborList, bounds};
+use crate::neighbors::{BLOCK, CellGrid, DisplacementBound, NeighborList, bounds};
 use crate::particles::Particles;
 use crate::persist::{Archive, ArchiveError, Persist, persist_pieces_or_none};
 use crate::{Model, RunFailure};
 use rayon::prelude::*;
 use sphorge_physics::{Vector, tensor::dot};
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 /// Width of a cell in units of the reach.
 const CELL_WIDTH: f64 = 2.0;
@@ -302,7 +302,7 @@ impl ContactCandidates {
     pub(super) fn bytes(&self) -> usize {
         self.cells.bytes()
             + 24 * self.sorted_at.capacity()
-            + 4 * self.fragments.of.capacity()
+            + 4 * (self.fragments.of.capacity() + self.fragments.joined.capacity())
             + size_of::<Content>() * self.contents.capacity()
             + self.candidates_near.capacity()
             + 24 * self.normals.capacity()
@@ -333,6 +333,8 @@ fn is_held(seen: &Surroundings<'_>, i: usize, j: usize, support: f64) -> bool {
 struct Fragments {
     /// Smallest index of a particle of the same fragment.
     of: Vec<u32>,
+    /// While they are joined, an index of the same fragment that is no larger; that of the smallest is its own.
+    joined: Vec<AtomicU32>,
 }
 
 impl Fragments {
@@ -344,30 +346,34 @@ impl Fragments {
         support: f64,
         across: &[[u32; 2]],
     ) -> Result<(), RunFailure> {
-        self.of.clear();
-        self.of.extend(0..seen.position.len() as u32);
-        for (k, i) in seen.own().enumerate() {
-            for &j in list.row(k) {
+        self.joined.clear();
+        self.joined.extend((0..seen.position.len() as u32).map(AtomicU32::new));
+        // Which of the threads joins what does not matter: the smallest index of a fragment is the same.
+        let (this, first) = (&*self, seen.own().start);
+        seen.own().into_par_iter().with_min_len(BLOCK).for_each(|i| {
+            for &j in list.row(i - first) {
                 let j = seen.point(j);
                 // Those already joined, as most are, need not be examined again.
-                if j < i && self.root(i as u32) != self.root(j as u32) && is_held(seen, i, j, support) {
-                    self.join(i as u32, j as u32);
+                if j < i && this.root(i as u32) != this.root(j as u32) && is_held(seen, i, j, support) {
+                    this.join(i as u32, j as u32);
                 }
             }
-        }
+        });
         self.join_among_ranks(seen.domain)?;
         self.join_images(seen);
         across.iter().for_each(|&[i, image]| self.join(i, image));
         // Images of what images have joined.
         self.join_images(seen);
-        for i in 0..self.of.len() as u32 {
-            self.of[i as usize] = self.root(i);
-        }
+        let mut of = std::mem::take(&mut self.of);
+        of.resize(self.joined.len(), 0);
+        let this = &*self;
+        of.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(i, of)| *of = this.root(i as u32));
+        self.of = of;
         Ok(())
     }
 
     /// Joins images in the same planes and cells whose particles are joined.
-    fn join_images(&mut self, seen: &Surroundings<'_>) {
+    fn join_images(&self, seen: &Surroundings<'_>) {
         let mut first_of = HashMap::new();
         for (k, image) in seen.images().iter().enumerate() {
             let (source, place) = image.identity();
@@ -378,10 +384,10 @@ impl Fragments {
     }
 
     /// Joins what the rows of other ranks hold together: fragments span ranks. The smallest index of each does not depend on who has joined what.
-    fn join_among_ranks(&mut self, domain: Option<&Domain>) -> Result<(), RunFailure> {
+    fn join_among_ranks(&self, domain: Option<&Domain>) -> Result<(), RunFailure> {
         let Some(domain) = domain else { return Ok(()) };
         let mut own = Vec::new();
-        for i in 0..self.of.len() as u32 {
+        for i in 0..self.joined.len() as u32 {
             let root = self.root(i);
             if root != i {
                 own.push([i, root]);
@@ -393,19 +399,31 @@ impl Fragments {
         Ok(())
     }
 
-    fn root(&mut self, mut i: u32) -> u32 {
-        while self.of[i as usize] != i {
-            let above = self.of[self.of[i as usize] as usize];
-            self.of[i as usize] = above;
-            i = above;
+    fn root(&self, mut i: u32) -> u32 {
+        loop {
+            let above = self.joined[i as usize].load(Ordering::Relaxed);
+            if above == i {
+                return i;
+            }
+            let next = self.joined[above as usize].load(Ordering::Relaxed);
+            if next != above {
+                // Only shorter ways are written, so it does not matter who was faster.
+                let _ = self.joined[i as usize].compare_exchange(above, next, Ordering::Relaxed, Ordering::Relaxed);
+            }
+            i = next;
         }
-        i
     }
 
-    fn join(&mut self, i: u32, j: u32) {
-        let (i, j) = (self.root(i), self.root(j));
-        let (low, high) = (i.min(j), i.max(j));
-        self.of[high as usize] = low;
+    fn join(&self, i: u32, j: u32) {
+        let (mut i, mut j) = (self.root(i), self.root(j));
+        while i != j {
+            let (low, high) = (i.min(j), i.max(j));
+            // Unless another thread has just put that fragment below another one.
+            if self.joined[high as usize].compare_exchange(high, low, Ordering::Relaxed, Ordering::Relaxed).is_ok() {
+                return;
+            }
+            (i, j) = (self.root(low), self.root(high));
+        }
     }
 }
 

@@ -16,7 +16,7 @@ use crate::RunFailure;
 use crate::engine::SearchReport;
 use crate::halo::FieldSet;
 use crate::lanes::PairScalar;
-use crate::model::{AdaptiveSearch, Search};
+use crate::model::{AdaptiveSearch, Model, Search};
 use crate::neighbors::{BLOCK, DisplacementBound, Frame, NeighborList, Reach, Searcher, bounds};
 use crate::particles::{Particles, Permutation};
 pub use audit::{AuditedRow, audit_of};
@@ -67,6 +67,18 @@ impl<T: Default> Lists<T> {
 }
 
 impl<T> Lists<T> {
+    /// Edge of the cells that particles are put in order by, m.
+    fn edge_of_cells(&self, model: &Model) -> f64 {
+        model.numerics.kernel.support() * self.smoothing_lengths.1
+    }
+
+    /// Puts particles into the order of cells, tile by tile; lists of them are not valid any more.
+    pub(super) fn sort(&mut self, model: &Model, particles: &mut Particles) {
+        let edge = self.edge_of_cells(model);
+        self.permutation.set(self.searcher.tiled_order(&particles.position, edge));
+        particles.reorder(&self.permutation);
+    }
+
     pub(super) fn bytes(&self) -> usize {
         self.list.bytes()
             + self.searcher.bytes()
@@ -288,13 +300,10 @@ impl<T: PairScalar> CpuEngine<T> {
 
     /// Sorts the particles into the order of cells, tile by tile, so that neighbours in space are neighbours in memory.
     pub(super) fn sort_particles(&mut self) -> Result<(), RunFailure> {
-        let size = self.model.numerics.kernel.support() * self.largest_smoothing_length();
         if self.domain.is_some() {
-            self.sort_among_ranks(size)?;
+            self.sort_among_ranks(self.lists.edge_of_cells(&self.model))?;
         } else {
-            let Lists { searcher, permutation, .. } = &mut self.lists;
-            permutation.set(searcher.tiled_order(&self.particles.position, size));
-            self.particles.reorder(permutation);
+            self.lists.sort(&self.model, &mut self.particles);
         }
         self.lists.stale = true;
         // It refers to particles by their index.

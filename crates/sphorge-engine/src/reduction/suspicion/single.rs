@@ -98,8 +98,8 @@ impl Suspicion {
                 Some(law) => of(&[limit, law.reference_density(), law.shock_slope().unwrap_or(1.0)]),
                 None => Standard::Blameless,
             },
-            // Where a material spalls, the density is that of open cracks.
-            Self::Expanded(limit) => match material.filter(|of| !of.spalls()).map(|of| of.equation_of_state) {
+            // Where a material breaks, the density is that of open cracks.
+            Self::Expanded(limit) => match material.filter(|of| !of.breaks()).map(|of| of.equation_of_state) {
                 Some(law) => of(&[limit, law.reference_density()]),
                 None => Standard::Blameless,
             },

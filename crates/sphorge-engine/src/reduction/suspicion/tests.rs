@@ -23,6 +23,7 @@ pub(in crate::reduction) fn material(law: &str) -> Material {
         taylor_quinney: 0.9,
         spall_pressure: f64::INFINITY,
         spall_opening: 5e-5,
+        damage: None,
         reference_temperature: 300.0,
     }
 }

@@ -13,10 +13,14 @@ use context::{Context, Event, Function, HostCopy, told};
 use cudarc::driver::result::{self, DriverError};
 use cudarc::driver::sys::{self, CUdevice, CUdevice_attribute};
 use library::Versions;
+use rayon::prelude::*;
 use std::sync::Arc;
 
 pub(in crate::device) use context::Block;
 pub use library::NVRTC_FOLDER;
+
+/// Numbers that a thread touches at a time.
+const TOUCHED: usize = 1 << 18;
 
 /// A card that is open.
 #[derive(Debug)]
@@ -186,6 +190,8 @@ impl Cuda {
 
     pub(super) fn read(&self, block: &Block, count: usize) -> Result<Vec<f32>, CardFault> {
         let mut numbers = vec![0.0f32; count];
+        // Memory that has just been taken is provided page by page when it is touched: on all threads, not on the one that the driver copies by.
+        numbers.par_chunks_mut(TOUCHED).for_each(|numbers| numbers.fill(0.0));
         let read = block.read(bytemuck::cast_slice_mut(&mut numbers));
         if let Some(why) = self.trouble.first() {
             return Err(self.lost(&why));

@@ -3,8 +3,8 @@
 use super::contact;
 use super::grid::Grid;
 use super::images::{Image, split};
-use super::limits::CHUNK;
 use super::neighbors::{Pair, apart, different, now, over_cells, over_list, over_present_neighbors, places};
+use super::reduce::{Together, over_particles, rows};
 use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Binder, Fields, Group, Reading, Recording, recording};
 use crate::engine::step_numbers::DT;
@@ -40,7 +40,7 @@ pub(in crate::engine) const BOUNDARY: usize = 4;
 /// Numbers of a body in [`Group::HeatLaws`].
 const LAW: usize = 4;
 
-/// Numbers of a chunk in [`Group::HeatExtremes`]: the smallest limit, s, the lowest temperature, K, and whether one is
+/// Numbers of a row of [`Group::HeatExtremes`]: the smallest limit, s, the lowest temperature, K, and whether one is
 /// not a number.
 pub(in crate::engine) const EXTREMES: usize = 3;
 
@@ -344,16 +344,16 @@ pub(in crate::engine) fn flow(model: &Model, count: usize) -> Result<Recording, 
     })
 }
 
-/// For each chunk of the `particles`: the smallest limit and the lowest temperature, and whether one is not a number.
+/// Reduction of the numbers of [`Group::HeatExtremes`].
+pub(in crate::engine) const TOGETHER: [Together; EXTREMES] = [Together::Least, Together::Least, Together::Largest];
+
+/// For each row of the `particles`: the smallest limit and the lowest temperature, and whether one is not a number.
 pub(in crate::engine) fn extremes(particles: usize, count: usize) -> Result<Recording, KernelFault> {
-    let chunks = count.div_ceil(CHUNK);
-    recording("heat_extremes", count, |bind, chunk| {
+    recording("heat_extremes", count, |bind, row| {
         let (heat, temperature) = (bind.read(Group::Heat), bind.read(Group::Temperature));
         let extremes = bind.write(Group::HeatExtremes);
-        let first = chunk * Index::of(CHUNK as u32);
         let (zero, one, far) = (Recorded::zero(), Recorded::one(), Recorded::of(BEYOND));
-        let end = first + Index::of(CHUNK as u32);
-        let all = bind.scope.fold(first, end, [far, far, zero], |_, all: [Recorded; EXTREMES], i| {
+        let all = over_particles(bind, (count, row), [far, far, zero], |all: [Recorded; EXTREMES], i| {
             // Columns are padded to whole chunks.
             let there =
                 |a: Recorded, b: Recorded| Recorded::select_lt(i.number(), Recorded::of(particles as f64), a, b);
@@ -362,7 +362,7 @@ pub(in crate::engine) fn extremes(particles: usize, count: usize) -> Result<Reco
             [all[0].min(there(heat.get(LIMIT, i), far)), all[1].min(there(now, far)), all[2].max(there(broken, zero))]
         });
         for (k, number) in all.into_iter().enumerate() {
-            extremes.set(0, Index::of((k * chunks) as u32) + chunk, number);
+            extremes.set(0, Index::of((k * rows(count)) as u32) + row, number);
         }
     })
 }

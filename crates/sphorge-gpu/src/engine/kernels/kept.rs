@@ -2,8 +2,8 @@
 
 use super::grid::Grid;
 use super::images::Planes;
-use super::limits::CHUNK;
 use super::neighbors::{Pair, over_own_body, searched};
+use super::reduce::{over_particles, rows};
 use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Binder, Fields, Group, NOTHING, Reading, Recording, Writing, recording};
 use crate::engine::step_numbers::{NUMBER, ROOM};
@@ -30,7 +30,7 @@ pub(in crate::engine) const SEARCHED_AT: usize = 7;
 /// Index of the strain of the last step among the numbers of [`Group::StrainCorrection`], behind the correction.
 pub(in crate::engine) const STRAINED: usize = 9;
 
-/// Numbers of a chunk in [`Group::Ways`]: square of the largest displacement, m², the bounding box of all
+/// Numbers of a row of [`Group::Ways`]: square of the largest displacement, m², the bounding box of all
 /// displacements, m, the longest list, the number of searched particles, and the thinnest skin, as a length to be
 /// multiplied by the support, m.
 pub(in crate::engine) const LONGEST: usize = 0;
@@ -181,9 +181,9 @@ pub(in crate::engine) fn mark(rule: AdaptiveSearch, count: usize) -> Result<Reco
     })
 }
 
-/// Number of searched particles of each chunk.
+/// Number of searched particles of each row.
 pub(in crate::engine) fn count_marked(particles: usize, count: usize) -> Result<Recording, KernelFault> {
-    of_chunks("count_marked", count, MARKED_ROWS, |rows, marked, i| {
+    of_rows("count_marked", count, MARKED_ROWS, |rows, marked, i| {
         // Ghosts are counted on the rank where they are particles.
         let (i_number, end, zero) = (i.number(), Recorded::of(particles as f64), Recorded::zero());
         marked + Recorded::select_lt(i_number, end, rows.get(MARKED, i), zero)
@@ -259,29 +259,26 @@ pub(in crate::engine) fn patch<const D: usize>(
     })
 }
 
-/// The longest list of each chunk of particles.
+/// The longest list of each row of particles.
 pub(in crate::engine) fn longest_rows(count: usize) -> Result<Recording, KernelFault> {
-    of_chunks("longest_rows", count, LONGEST_ROW, |rows, longest, i| longest.max(rows.get(LENGTH, i)))
+    of_rows("longest_rows", count, LONGEST_ROW, |rows, longest, i| longest.max(rows.get(LENGTH, i)))
 }
 
-/// Folds over the rows of each chunk of particles, starting with zero, to a number of [`Group::Ways`].
-fn of_chunks(
+/// Folds over the lists of the particles of each row, starting with zero, to a number of [`Group::Ways`].
+fn of_rows(
     name: &str,
     count: usize,
     to: usize,
     add: impl Fn(Reading, Recorded, Index) -> Recorded,
 ) -> Result<Recording, KernelFault> {
-    let chunks = count.div_ceil(CHUNK);
-    recording(name, count, |bind, chunk| {
-        let (rows, ways) = (bind.read(Group::Rows), bind.write(Group::Ways));
-        let first = chunk * Index::of(CHUNK as u32);
-        let end = first + Index::of(CHUNK as u32);
-        let all = bind.scope.fold(first, end, Recorded::zero(), |_, all, i| add(rows, all, i));
-        ways.set(0, Index::of((to * chunks) as u32) + chunk, all);
+    recording(name, count, |bind, row| {
+        let (lists, ways) = (bind.read(Group::Rows), bind.write(Group::Ways));
+        let all = over_particles(bind, (count, row), Recorded::zero(), |all, i| add(lists, all, i));
+        ways.set(0, Index::of((to * rows(count)) as u32) + row, all);
     })
 }
 
-/// Displacements of the particles of each chunk since the last full search, or since contact candidates were
+/// Displacements of the particles of each row since the last full search, or since contact candidates were
 /// determined, and the skin that smoothing lengths that follow the density have left; there are `particles` of them.
 pub(in crate::engine) fn ways(
     model: &Model,
@@ -289,17 +286,15 @@ pub(in crate::engine) fn ways(
     particles: usize,
     count: usize,
 ) -> Result<Recording, KernelFault> {
-    let chunks = count.div_ceil(CHUNK);
     let name = if since == Group::FoundAt { "ways_of_candidates" } else { "ways" };
-    recording(name, count, |bind, chunk| {
+    recording(name, count, |bind, row| {
         let (place, searched_at) = (bind.read(Group::Place), bind.read(since));
         let length = follows(model).then(|| searched(model, bind.read(Group::Constants)));
         let wide = Recorded::of(1.0 + skin(model));
         let ways = bind.write(Group::Ways);
-        let first = chunk * Index::of(CHUNK as u32);
         let (zero, far) = (Recorded::zero(), Recorded::of(BEYOND));
         let start = [zero, far, far, far, -far, -far, -far, far];
-        let all = bind.scope.fold(first, first + Index::of(CHUNK as u32), start, |_, mut all, i| {
+        let all = over_particles(bind, (count, row), start, |mut all, i| {
             let way = [0, 1, 2].map(|a| {
                 let (now, then) = (place.double(a, 3 + a, i), searched_at.double(a, 3 + a, i));
                 (now[0] - then[0]) + (now[1] - then[1])
@@ -319,7 +314,7 @@ pub(in crate::engine) fn ways(
             all
         });
         for (k, number) in (0..LONGEST_ROW).chain([THINNEST_SKIN]).zip(all) {
-            ways.set(0, Index::of((k * chunks) as u32) + chunk, number);
+            ways.set(0, Index::of((k * rows(count)) as u32) + row, number);
         }
     })
 }

@@ -7,6 +7,8 @@ use super::{conduction, contact, facets, walls};
 use crate::engine::columns::{Fields, Group, NOTHING, Recording, recording};
 use crate::record::{Double, Index, KernelFault, Recorded};
 use sphorge_engine::model::{Formulation, Model};
+use sphorge_engine::particles::HistoryVariables;
+use sphorge_physics::damage::FRACTURE_ENERGY;
 use sphorge_physics::heat::elastic_energy;
 use sphorge_physics::hourglass::Spring;
 use sphorge_physics::tensor::{dot, multiply};
@@ -25,7 +27,9 @@ pub(in crate::engine) const INTERNAL: usize = MOTION;
 pub(in crate::engine) const ELASTIC: usize = MOTION + 1;
 pub(in crate::engine) const PLASTIC: usize = MOTION + 2;
 pub(in crate::engine) const HELD: usize = MOTION + 3;
-const ENERGIES: usize = 4;
+/// What breaking has dissipated, J.
+pub(in crate::engine) const FRACTURE: usize = MOTION + 4;
+const ENERGIES: usize = 5;
 /// The accounts, in their order.
 pub(in crate::engine) const ACCOUNTS: usize = MOTION + ENERGIES;
 pub(in crate::engine) const OF_ACCOUNTS: usize = 9;
@@ -151,6 +155,9 @@ fn energies(model: &Model, portions: Portions, count: usize) -> Result<Recording
             _ => None,
         };
         let springs = strength.map(|strength| (strength, bind.read(Group::Springs), bind.read(Group::Reference)));
+        let variables = HistoryVariables::of(model).variables;
+        let place = variables.iter().position(|variable| variable.name == FRACTURE_ENERGY.name);
+        let broken = place.map(|place| (bind.read(Group::History), 2 * place));
         let of_body = |b: usize| &model.materials[model.bodies[b].material];
         let hyperelastic: Vec<usize> =
             (0..model.bodies.len()).filter(|b| of_body(*b).flow_law.is_hyperelastic()).collect();
@@ -176,7 +183,8 @@ fn energies(model: &Model, portions: Portions, count: usize) -> Result<Recording
                 let spring = Spring::new(Double::of(strength), young, yield_stress, plastic_strain, stretch);
                 Double::new(reference.double(6, 7, i)) * spring.energy(misfit, model.dimensions.into())
             });
-            [m * internal, m * elastic, m * plastic_work, held]
+            let broken = broken.map_or_else(Double::zero, |(history, k)| m * Double::new(history.double(k, k + 1, i)));
+            [m * internal, m * elastic, m * plastic_work, held, broken]
         });
     })
 }

@@ -1,7 +1,7 @@
 //! Limits of the next step, and changes by the last one.
 
 use super::motion::Motions;
-use super::reduce::{Together, carry};
+use super::reduce::{Together, carry, over_particles, rows};
 use super::walls::is_total_lagrangian;
 use super::{contact, facets};
 use crate::engine::columns::{Fields, Group, Recording, recording};
@@ -18,9 +18,6 @@ use sphorge_physics::total_lagrangian::limiting_length;
 
 /// Columns have the length of whole chunks of this number of particles.
 pub(in crate::engine) const CHUNK: usize = 256;
-
-/// Particles per thread.
-const EACH: usize = 32;
 
 /// Numbers of a particle: the limits, four changes, one if a value is not a number, one if it is stretched beyond a
 /// bound, how far its facets reach, m, and its neighbours.
@@ -113,11 +110,6 @@ fn allowed(bound: Bound, value: Recorded, then: Recorded) -> Recorded {
     }
 }
 
-/// Rows of [`Group::Extremes`].
-pub(in crate::engine) fn rows(count: usize) -> usize {
-    count / EACH
-}
-
 /// Reduction of the numbers of particles.
 pub(in crate::engine) fn together() -> [Together; EXTREMES] {
     core::array::from_fn(|k| match k {
@@ -138,11 +130,8 @@ pub(in crate::engine) fn extremes(count: usize) -> Result<Recording, KernelFault
             start[..LIMITS].fill(Recorded::of(BEYOND));
             start
         };
-        // Columns are padded to whole chunks with values that limit nothing. Neighbouring threads read neighbouring
-        // numbers.
-        let (zero, end) = (Index::of(0), Index::of(EACH as u32));
-        let mut least = bind.scope.fold(zero, end, start, |_, mut least, k| {
-            let i = row + k * Index::of(rows as u32);
+        // Columns are padded to whole chunks with values that limit nothing.
+        let mut least = over_particles(bind, (count, row), start, |mut least, i| {
             for (k, number) in least[..FIELDS].iter_mut().enumerate() {
                 *number = together()[k].of(*number, limits.get(k, i));
             }

@@ -1,14 +1,36 @@
 //! Reduction of numbers of parts of the particles until a few rows are left, which are copied back.
+//!
+//! A card has some hundred thousand threads at once, and a thread alone waits for memory most of the time: the first pass has a thread for a few
+//! particles, and each of the following reduces a few rows of the one before.
 
-use crate::engine::columns::{Fields, Group, Recording, recording};
+use crate::engine::columns::{Binder, Fields, Group, Recording, recording};
 use crate::record::{Index, KernelFault, Recorded};
-use sphorge_physics::Real;
+use sphorge_physics::{Numbers, Real};
 
-/// Rows that one thread reduces.
-const WIDTH: usize = 64;
+/// Particles that a thread of a first pass reduces to a row.
+const EACH: usize = 16;
 
-/// Number of rows that are copied back without further passes.
-const FEW: usize = 16;
+/// Rows that one thread of a further pass reduces at most.
+const WIDTH: usize = 16;
+
+/// Number of rows that are copied back without further passes: so few bytes take as long as one.
+const FEW: usize = 256;
+
+/// Rows of a first pass over columns of that length, which is one of whole chunks.
+pub(in crate::engine) const fn rows(length: usize) -> usize {
+    length / EACH
+}
+
+/// Folds over the particles of a row of a first pass over columns of that length. Threads beside each other read particles beside each other.
+pub(super) fn over_particles<S: Numbers<Recorded>>(
+    bind: &mut Binder<'_>,
+    (length, row): (usize, Index),
+    start: S,
+    step: impl FnOnce(S, Index) -> S,
+) -> S {
+    let rows = Index::of(rows(length) as u32);
+    bind.scope.fold(Index::of(0), Index::of(EACH as u32), start, |_, state, k| step(state, row + k * rows))
+}
 
 /// Reduction operation of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,15 +66,17 @@ pub(super) fn carry(numbers: &mut [Recorded], columns: &[Together]) {
     }
 }
 
-/// Rows after each pass, given their number.
+/// Rows after each pass, given their number: no more passes than needed, and all of about the same width.
 fn passes(rows: usize) -> Vec<usize> {
-    let mut passes = Vec::new();
+    let after = |width: usize, passes: u32| FEW * width.pow(passes);
+    let count = (0..).find(|count| after(WIDTH, *count) >= rows).unwrap_or_default();
+    let width = (1..WIDTH).find(|width| after(*width, count) >= rows).unwrap_or(WIDTH);
     let mut left = rows;
-    while left > FEW {
-        left = left.div_ceil(WIDTH);
-        passes.push(left);
-    }
-    passes
+    let pass = |_| {
+        left = left.div_ceil(width);
+        left
+    };
+    (0..count).map(pass).collect()
 }
 
 /// The group with the result for a group with this number of rows.
@@ -67,6 +91,7 @@ pub(in crate::engine) fn left(group: Group, rows: usize) -> Group {
 fn reduced(group: Group, pass: usize) -> Group {
     match group {
         Group::Ways => Group::WaysLeft(pass),
+        Group::HeatExtremes => Group::HeatExtremesLeft(pass),
         _ => Group::ExtremesLeft(pass),
     }
 }
@@ -89,12 +114,16 @@ pub(in crate::engine) fn reduce<const COLUMNS: usize>(
         let name = format!("{to:?}").to_lowercase().replace('(', "_").replace(')', "");
         let kernel = recording(&name, length, |bind, row| {
             let (rows, sums) = (bind.read(from), bind.write(to));
-            let first = row * Index::of(WIDTH as u32);
-            let end = Index::floor((first + Index::of(WIDTH as u32)).number().min(Recorded::of(length as f64)));
-            let start: [Recorded; COLUMNS] = core::array::from_fn(|k| rows.get(k, first));
-            let mut all = bind.scope.fold(first + Index::of(1), end, start, |_, mut all, i| {
+            let at = |i: Index| core::array::from_fn(|k| rows.get(k, i));
+            // Threads beside each other read rows beside each other. The last ones have a row less.
+            let (last, end) = (Recorded::of((length - 1) as f64), Recorded::of(length as f64));
+            let width = Index::of(length.div_ceil(left) as u32);
+            let start: [Recorded; COLUMNS] = at(row);
+            let mut all = bind.scope.fold(Index::of(1), width, start, |_, mut all, k| {
+                let i = (row + k * Index::of(left as u32)).number();
+                let numbers: [Recorded; COLUMNS] = at(Index::floor(i.min(last)));
                 for (k, number) in all.iter_mut().enumerate() {
-                    *number = columns[k].of(*number, rows.get(k, i));
+                    *number = Recorded::select_lt(i, end, columns[k].of(*number, numbers[k]), *number);
                 }
                 all
             });
@@ -115,9 +144,19 @@ mod tests {
     use crate::evaluate::Evaluation;
 
     #[test]
+    fn passes_are_few_and_short() {
+        // Of 2e5, 2e6 and the most particles there may be.
+        let of = |particles: usize| passes(rows(particles.next_multiple_of(256)));
+        assert_eq!(of(195_112), [1744, 250]);
+        assert_eq!(of(2_000_000), [15_626, 1954, 245]);
+        assert_eq!(of((1 << 24) - 1), [65_536, 4096, 256]);
+        assert!(passes(1).is_empty() && passes(FEW).is_empty());
+    }
+
+    #[test]
     fn rows_come_together_to_a_few_whatever_their_number() {
         use Together::{Largest, Least, Ones, Sum, Units};
-        for count in [1, 16, 17, 64, 65, 1000, 64 * 64 + 1, 300_000] {
+        for count in [1, FEW, FEW + 1, 1000, FEW * WIDTH, FEW * WIDTH + 1, 300_000] {
             let number = |k: usize, i: usize| ((i * 7919 + k * 31) % 1009) as f32 - 500.0;
             let mut rows: Vec<f32> = (0..3).flat_map(|k| (0..count).map(move |i| number(k, i))).collect();
             // Up to 1e9 in all, of which single precision would keep seven digits.

@@ -198,7 +198,10 @@ pub(in crate::engine) fn of_deck(
             MeasureKind::ReversalTime { selection, axis } => {
                 (selection, vec![Reduced::Mean(Quantity { field: "velocity", component: Some(*axis) })])
             }
-            MeasureKind::FrontSpeed { .. } | MeasureKind::CraterDiameter { .. } | MeasureKind::Cloud { .. } => continue,
+            MeasureKind::FrontSpeed { .. }
+            | MeasureKind::CraterDiameter { .. }
+            | MeasureKind::Cloud { .. }
+            | MeasureKind::Fragments { .. } => continue,
         };
         for reduced in asked {
             let name = reduced.name(of);

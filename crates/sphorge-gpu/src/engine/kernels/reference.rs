@@ -7,9 +7,11 @@ use crate::engine::columns::{Binder, Fields, Group, NOTHING, Reading, Recording,
 use crate::engine::step_numbers::DT;
 use crate::record::{Double, Index, Indices, KernelFault, Recorded};
 use sphorge_engine::model::Model;
+use sphorge_engine::particles::HistoryVariables;
 use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, corrected, gradient_correction};
 use sphorge_physics::hourglass::is_fit;
 use sphorge_physics::hyperelastic::composed;
+use sphorge_physics::integrity::INTEGRITY;
 use sphorge_physics::pair::GradientSums;
 use sphorge_physics::tensor::{identity, multiply};
 use sphorge_physics::thin::{Across, completed_rate, is_thin, reference_correction};
@@ -205,7 +207,23 @@ pub(in crate::engine) fn correct<const D: usize>(
     })
 }
 
-/// Deformation gradient, velocity gradient and density.
+/// One for a particle that has failed and bears nothing any more, else zero.
+fn is_deleted(bind: &mut Binder<'_>, model: &Model, i: Index) -> Recorded {
+    let deletes = |b: &usize| model.materials[model.bodies[*b].material].deletes();
+    let deleting: Vec<usize> = (0..model.bodies.len()).filter(deletes).collect();
+    let variables = HistoryVariables::of(model).variables;
+    let place = variables.iter().position(|variable| variable.name == INTEGRITY.name);
+    let Some(place) = place.filter(|_| !deleting.is_empty()) else { return Recorded::zero() };
+    let (body, integrity) = (bind.indices(Group::Body).at(i).number(), bind.read(Group::History).get(2 * place, i));
+    let severed = Recorded::select_lt(Recorded::zero(), integrity, Recorded::zero(), Recorded::one());
+    deleting.into_iter().fold(Recorded::zero(), |one, b| {
+        let other = (body - Recorded::of(b as f64)).abs();
+        Recorded::select_lt(other, Recorded::of(0.5), severed, one)
+    })
+}
+
+/// Deformation gradient, velocity gradient and density. What is deleted keeps its deformation and has no springs: nothing resists what its
+/// neighbours do, and it must not limit the step.
 pub(in crate::engine) fn deform<const D: usize>(
     model: &Model,
     (renewal, references): (Option<f64>, References),
@@ -244,6 +262,8 @@ pub(in crate::engine) fn deform<const D: usize>(
             completed_rate(&deformation.tensor(0, i), &rate, &correction, &across, dt)
         };
         let rate = Recorded::if_lt(Recorded::zero(), is_thin(&correction), complete, || rate);
+        let left = Recorded::one() - is_deleted(bind, model, i);
+        let rate = rate.map(|row| row.map(|c| left * c));
         let l = velocity_gradient(&deformation.tensor(0, i), &rate, dt);
         for (k, rate) in rate.into_iter().flatten().enumerate() {
             deformation.add(k, 9 + k, i, dt * rate);
@@ -257,7 +277,7 @@ pub(in crate::engine) fn deform<const D: usize>(
         of_density.set_all(0, i, &[rho.high, rho.low]);
         stretch.set(0, i, smallest);
         let least = springs.get(0, i);
-        springs.set(0, i, Recorded::select_lt(Recorded::zero(), plastic.get(2, i), least.min(smallest), least));
+        springs.set(0, i, left * Recorded::select_lt(Recorded::zero(), plastic.get(2, i), least.min(smallest), least));
         let too_far = |bound: f64| {
             let once = || stretched(&f, Recorded::of(bound));
             apart.map_or_else(once, |apart| {

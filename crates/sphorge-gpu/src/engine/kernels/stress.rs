@@ -5,11 +5,12 @@ use super::pairs::compressed;
 use super::reference::{Deformations, References};
 use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Fields, Group, Recording, added, recording};
-use crate::engine::step_numbers::{DT, HALF};
+use crate::engine::step_numbers::{DT, END, HALF};
 use crate::record::{Double, Index, KernelFault, Recorded};
 use sphorge_engine::model::{Formulation, Model, TemperatureSource};
 use sphorge_engine::particles::HistoryVariables;
 use sphorge_physics::artificial_stress::artificial_stress;
+use sphorge_physics::damage::{Before, Moduli};
 use sphorge_physics::eos::PressureState;
 use sphorge_physics::flow::{FlowState, FlowStep};
 use sphorge_physics::heat::temperature_rise_from_plastic_work;
@@ -91,18 +92,23 @@ pub(in crate::engine) fn stress(
         let ([rho, _], [e, _]) = (rho, e);
         let slots = &HistoryVariables::of(model).slots[k];
         let history = (!slots.is_empty()).then(|| bind.write(Group::History));
-        // Integrity is kept behind the variables of the law.
+        // Integrity is kept behind the variables of the flow law and of damage.
         let laws = material.flow_law.history().len();
-        let spalling = material.spall().map(|spall| {
-            let slot = slots[laws];
-            let before = history.map_or(Recorded::one(), |of| of.get(2 * slot, i));
-            let size = smeared_width(numerics.kernel.support(), bind.read(Group::Constants).get(1, i));
-            (slot, before, spall.cast::<Recorded>().borne(rho, whole.pressure, before, size))
-        });
+        let breaking = slots.last().filter(|_| material.breaks()).zip(history);
         let one = Recorded::one();
-        let (before, borne) = match &spalling {
-            Some((_, before, borne)) => (*before, *borne),
-            None => (one, Borne { pressure: whole.pressure, integrity: one, share: one }),
+        let size =
+            breaking.map_or(one, |_| smeared_width(numerics.kernel.support(), bind.read(Group::Constants).get(1, i)));
+        let before = breaking.map_or(one, |(slot, of)| of.get(2 * slot, i));
+        let spalled = material.spall().map(|spall| spall.cast::<Recorded>().borne(rho, whole.pressure, before, size));
+        let mut borne = match (spalled, material.damage) {
+            (Some(spalled), None) => spalled,
+            // What damage takes comes at the end of the step.
+            (Some(spalled), Some(_)) => {
+                let most = Recorded::of(-material.spall_pressure);
+                let integrity = Recorded::select_lt(whole.pressure, most, spalled.integrity, before);
+                Borne { pressure: whole.pressure.max(most), integrity, share: one }
+            }
+            (None, _) => Borne { pressure: whole.pressure, integrity: before, share: one },
         };
         let state = PressureState { pressure: borne.pressure, ..whole };
         let flow = FlowState {
@@ -116,7 +122,7 @@ pub(in crate::engine) fn stress(
         let shear_modulus = law.shear_modulus(Recorded::of(material.shear_modulus), flow);
         let stored = deviator.symmetric(0, i);
         // A particle of that integrity bears the stress of whole material times it, and one without any none.
-        let of_whole = match spalling {
+        let of_whole = match breaking {
             Some(_) => {
                 let inverse = Recorded::select_lt(Recorded::zero(), before, one / before, Recorded::zero());
                 stored * inverse
@@ -150,8 +156,42 @@ pub(in crate::engine) fn stress(
         let mut returned =
             return_mapping_near(material.return_rule, &law, shear_modulus, trial, flow, &held, dt, guess);
         let evolved = returned.step(flow, dt);
+        if let (Some(damage), Some((_, history)), true) = (&material.damage, breaking, of.commits()) {
+            let [damaged, failed_at, energy] = [0, 1, 2].map(|k| 2 * slots[laws + k]);
+            // An increment may be smaller than the resolution of a number in single precision.
+            let moduli = material.moduli(shear_modulus);
+            let kept =
+                Before { damage: Double::new(history.double(damaged, damaged + 1, i)), integrity: before.into() };
+            let moduli = Moduli { young: moduli.young.into(), shear: moduli.shear.into() };
+            let broken = damage.cast::<Double>().after_step(&in_pairs(&evolved), moduli, size.into(), kept);
+            let severed = Recorded::select_lt(Recorded::zero(), before, broken.integrity.high, Recorded::zero());
+            borne.integrity = borne.integrity.min(severed);
+            let grown = Double::select_lt(Double::zero(), kept.integrity, broken.damage, kept.damage);
+            history.set_all(damaged, i, &[grown.high, grown.low]);
+            let elastic = material.elastic_energy_of_breaking(
+                returned.deviator,
+                shear_modulus,
+                rho,
+                state.pressure,
+                state.sound_speed,
+            );
+            let softened = broken.share.high * before * returned.plastic_work / rho;
+            history.add(energy, energy + 1, i, softened + (before - borne.integrity) * elastic);
+            let now =
+                Recorded::select_lt(borne.integrity, before, step.get(0, Index::of(END)), history.get(failed_at, i));
+            let at = Recorded::select_lt(Recorded::zero(), borne.integrity, Recorded::zero(), now);
+            history.set_all(failed_at, i, &[at, Recorded::zero()]);
+        }
+        let state = match &material.damage {
+            Some(damage) => {
+                let [pressure, share] = damage.after.bears(state.pressure, borne.integrity);
+                borne.share = share;
+                PressureState { pressure, ..state }
+            }
+            None => state,
+        };
         let mut elastic_share = one;
-        if spalling.is_some() {
+        if breaking.is_some() {
             let is_severed =
                 |severed: Recorded, bears: Recorded| Recorded::select_lt(Recorded::zero(), before, bears, severed);
             let zero = Recorded::zero();
@@ -171,7 +211,7 @@ pub(in crate::engine) fn stress(
             plastic.set(2, i, returned.plastic_strain_increment);
             plastic.set(3, i, returned.yield_stress);
             plastic.add(4, 5, i, returned.plastic_work / rho);
-            if let (Some(history), Some((slot, ..))) = (history, spalling) {
+            if let Some((slot, history)) = breaking {
                 history.set_all(2 * slot, i, &[borne.integrity, Recorded::zero()]);
             }
             if let Some(history) = history.filter(|_| laws > 0) {
@@ -201,7 +241,7 @@ pub(in crate::engine) fn stress(
                     }
                     let whole = returned.deviator * elastic_share;
                     let elastic = borne.integrity * material.elastic_energy(whole, shear_modulus, rho);
-                    let cold = material.cold_energies::<Recorded>().at(rho, borne.integrity);
+                    let cold = material.cold_energy(&material.cold_energies::<Recorded>(), rho, borne.integrity);
                     let warm = material.temperature_of_energy(heat, cold, elastic, plastic.get(4, i));
                     temperature.set_all(0, i, &[warm, Recorded::zero()]);
                 }
@@ -229,7 +269,7 @@ pub(in crate::engine) fn stress(
             {
                 let is_liquid = material.liquid(temperature.get(0, i), || {
                     let elastic = material.elastic_energy(returned.deviator, Recorded::of(material.shear_modulus), rho);
-                    let cold = material.cold_energies::<Recorded>().at(rho, borne.integrity);
+                    let cold = material.cold_energy(&material.cold_energies::<Recorded>(), rho, borne.integrity);
                     material.temperature_of_energy(e, cold, elastic, plastic.get(4, i))
                 });
                 let f = bind.read(Group::Deformation).tensor(0, i);

@@ -179,7 +179,7 @@ impl Mesh {
 
 /// The runs of `reference/finite-elements/tensile_bar.py`, coarse to fine.
 fn elements(body: &str) -> Vec<Mesh> {
-    let text = include_str!("../../../../../reference/finite-elements/tensile_bar.json");
+    let text = include_str!("../../../reference/finite-elements/tensile_bar.json");
     // A file of ours: a test reads it.
     let elements: Elements = serde_json::from_str(text).unwrap_or(Elements { cases: Vec::new() });
     elements.cases.into_iter().find(|case| case.body == body).map_or(Vec::new(), |case| case.meshes)

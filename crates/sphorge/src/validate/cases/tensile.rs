@@ -170,7 +170,7 @@ impl Kept {
 
 /// The run of `reference/fine/tensile.py`, perfectly plastic.
 fn kept() -> Option<Kept> {
-    let text = include_str!("../../../../../reference/fine/tensile.json");
+    let text = include_str!("../../../reference/fine/tensile.json");
     // A file of ours: a test reads it.
     serde_json::from_str(text).ok()
 }
@@ -182,7 +182,7 @@ fn strain_over_time(history: &[[f64; 3]]) -> Vec<(f64, f64)> {
 
 /// The runs of `reference/calculix/tensile.py`, with or without hardening.
 fn elements(hardening: bool) -> Vec<ElementRun> {
-    let text = include_str!("../../../../../reference/calculix/tensile.json");
+    let text = include_str!("../../../reference/calculix/tensile.json");
     // A file of ours: a test reads it.
     let elements: Elements = serde_json::from_str(text).unwrap_or(Elements { runs: Vec::new() });
     elements.runs.into_iter().filter(|run| (run.hardening > 0.0) == hardening).collect()

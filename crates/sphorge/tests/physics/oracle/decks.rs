@@ -445,6 +445,38 @@ pub(super) const SPALLED: &[Case] = &[
     case("spalled, total lagrangian, renewed", TORN, &[RENEWED], 40),
 ];
 
+/// The same metal, whole up to its damage.
+const BREAKS: (&str, &str) =
+    ("material.iron.damage", "{ johnson-cook = { D1 = 0.01, D2 = 0.06, D3 = -1.5, D4 = 0.01, D5 = 0.6 } }");
+const HANCOCK: (&str, &str) = ("material.iron.damage", "{ hancock-mackenzie = { factor = 0.08 } }");
+const LATHAM: (&str, &str) = ("material.iron.damage", "{ cockcroft-latham = { work = \"20 MPa\" } }");
+const NORMALISED: (&str, &str) = ("material.iron.damage", "{ normalised-cockcroft-latham = { strain = 0.04 } }");
+const MOHR: (&str, &str) = (
+    "material.iron.damage",
+    "{ modified-mohr-coulomb = { A = \"740 MPa\", n = 0.4, c1 = 0.2, c2 = \"900 MPa\", c3 = 0.9 } }",
+);
+const RANKINE: (&str, &str) = ("material.iron.damage", "{ principal-stress = { strength = \"600 MPa\" } }");
+const STRAIN: (&str, &str) = ("material.iron.damage", "{ failure-strain = { strain = 0.03 } }");
+const WHOLE: (&str, &str) = ("material.iron.spall-pressure", "100 GPa");
+const FRACTURE_ENERGY: (&str, &str) = ("material.iron.fracture-energy", "30 kJ/m^2");
+const OPENING: (&str, &str) = ("material.iron.softening-displacement", "0.1 mm");
+const FLUID: (&str, &str) = ("material.iron.after-failure", "fluid");
+const DELETED: (&str, &str) = ("material.iron.after-failure", "delete");
+
+/// Metal that breaks by damage, with spalling or without.
+pub(super) const DAMAGED: &[Case] = &[
+    case("damaged", TORN, &[BREAKS, WHOLE], 40),
+    case("damaged, total lagrangian", TORN, &[TOTAL, BREAKS, WHOLE, OF_ENERGY], 40),
+    case("damaged, predictor-corrector, energy", TORN, &[PREDICTOR, OF_ENERGY, LATHAM, WHOLE, FRACTURE_ENERGY], 40),
+    case("damaged, total lagrangian, energy", TORN, &[TOTAL, LATHAM, WHOLE, FRACTURE_ENERGY], 40),
+    case("damaged and spalled", TORN, &[TOTAL, HANCOCK, OPENING, OF_ENERGY], 40),
+    case("damaged and fluid", TORN, &[TOTAL, MOHR, FLUID, OF_ENERGY], 40),
+    case("damaged and deleted", TORN, &[TOTAL, STRAIN, DELETED, OF_ENERGY], 40),
+    case("damaged without flow", TORN, &[TOTAL, RANKINE, WHOLE, OPENING], 40),
+    case("damaged, following smoothing lengths", TORN, &[FOLLOW, OF_ENERGY, NORMALISED, FRACTURE_ENERGY], 40),
+    case("damaged, renewed", TORN, &[RENEWED, NORMALISED, WHOLE], 40),
+];
+
 /// A strip of one layer, bent and spun, that strikes a plane of symmetry with its end.
 const LAYER: &str = r#"
 dimensions = "plane-strain"

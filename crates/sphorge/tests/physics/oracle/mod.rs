@@ -6,9 +6,13 @@
 mod decks;
 
 use super::setup::COLLISION;
-use decks::{BARS, BLOCKS, CORNER, Case, LINE, LIQUID, OVEN, PRESS, PRESSED, ROD, SEARCHED, SPACE, SPALLED, THIN};
+use decks::{
+    BARS, BLOCKS, CORNER, Case, DAMAGED, LINE, LIQUID, OVEN, PRESS, PRESSED, ROD, SEARCHED, SPACE, SPALLED, THIN,
+};
 use sphorge::deck;
-use sphorge::engine::{BodyLedger, Cpu, EngineKind, Ledger, ParticleSource, Reduction, Simulation, WallLedger};
+use sphorge::engine::{
+    BodyLedger, Cpu, EngineKind, FieldSource, Ledger, ParticleSource, Reduction, Simulation, WallLedger,
+};
 use sphorge::{Model, Particles, model::Section};
 use sphorge_oracle::OracleKind;
 
@@ -115,6 +119,7 @@ fn of_ledgers(a: &Ledger, b: &Ledger) -> Vec<Difference> {
         ("energy held by them", a.hourglass_stored_energy, b.hourglass_stored_energy),
         ("energy of viscosity", a.viscous_energy, b.viscous_energy),
         ("energy of artificial stress", a.artificial_stress_energy, b.artificial_stress_energy),
+        ("energy of fracture", a.fracture_energy, b.fracture_energy),
     ] {
         compare(of, &[a], &[b], b.abs());
     }
@@ -203,6 +208,36 @@ fn oracle_and_engine_agree_on_kernel_sums_to_rounding() {
 #[test]
 fn oracle_and_engine_agree_on_surroundings_to_rounding() {
     check([PRESS, CORNER, BLOCKS, OVEN, SPACE, LINE, SPALLED].into_iter().flatten(), &[], ROUNDING);
+}
+
+/// What a particle keeps of its damage.
+const OF_DAMAGE: [&str; 4] = ["damage", "integrity", "failed_at", "fracture_energy"];
+
+#[test]
+fn oracle_and_engine_agree_on_damage_to_rounding() {
+    check(DAMAGED, &[], ROUNDING);
+    for case in DAMAGED {
+        let (mut cpu, mut oracle) = (start(&Cpu, case, &[]), start(&OracleKind, case, &[]));
+        for simulation in [&mut cpu, &mut oracle] {
+            for _ in 0..case.steps {
+                simulation.step(None).unwrap_or_else(|failure| panic!("{}: {failure}", case.name));
+            }
+        }
+        let severed = |k: usize| cpu.read("integrity").unwrap().component(k, 0);
+        let states: Vec<f64> = (0..cpu.particles().unwrap().len()).map(severed).collect();
+        let some = |of: &dyn Fn(f64) -> bool| states.iter().filter(|w| of(**w)).count();
+        let counts = [some(&|w| w == 1.0), some(&|w| w > 0.0 && w < 1.0), some(&|w| w == 0.0)];
+        println!("{:60} whole, weakened, severed {counts:?}", case.name);
+        assert!(counts.iter().all(|count| *count > 0), "{}: {counts:?}", case.name);
+        for field in OF_DAMAGE {
+            let [a, b] = [&cpu, &oracle].map(|simulation| simulation.read(field).unwrap());
+            let largest = (0..b.len()).map(|i| b.component(i, 0).abs()).fold(0.0, f64::max);
+            for i in 0..a.len() {
+                let (a, b) = (a.component(i, 0), b.component(i, 0));
+                assert!((a - b).abs() <= ROUNDING * largest, "{} {field} of {i}: {a} {b}", case.name);
+            }
+        }
+    }
 }
 
 #[test]

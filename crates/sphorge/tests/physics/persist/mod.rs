@@ -121,6 +121,16 @@ const FEATURES: &[Feature] = &[
     Feature::new("periodic", PERIODIC, HEAT, &[LONG, MLS]),
     Feature::new("penalty across a periodic end", PERIODIC, "", &[LONG, ("contact", "penalty")]),
     Feature::new("follow-density", "", "", &[("numerics.smoothing-length", "follow-density")]),
+    // Both bodies break where they meet.
+    Feature::new(
+        "damage",
+        "",
+        "",
+        &[
+            ("material.iron.damage", "{ johnson-cook = { D1 = 0.002, D2 = 0.02, D3 = -1.5 } }"),
+            ("material.iron.fracture-energy", "\"1 kJ/m^2\""),
+        ],
+    ),
     Feature::new("corrected", "", "", &[("numerics.gradient-correction", "linear")]),
     // Several times as far as the kernel reaches.
     Feature::new(

@@ -1,0 +1,169 @@
+//! Whether results of laws differ by more than other rounding can make of them.
+
+use super::laws::{Law, laws};
+use super::{SAMPLES, expected, kernel_of, same};
+use crate::evaluate::{Evaluation, Units};
+use crate::record::{Binary, Kernel, Operation, Statement, Value};
+use std::collections::HashMap;
+
+/// What a card may round away of a law, as a share of the larger of a result and [`FLOOR`] times the largest result of its kind: elementary
+/// functions of cards are good to some units of round-off, and powers to some more.
+const ROUNDING: f32 = 1e-4;
+const FLOOR: f32 = 1e-3;
+
+/// The same as [`ROUNDING`] of the slope of a power of the strain: at zero it is that of a chord to 1e-12, and of powers of so small numbers software
+/// renderers know three digits.
+const ROUNDING_OF_SLOPES: f32 = 5e-4;
+
+/// Where a result is farther off than that, the law may be one that magnifies rounding at these arguments: a difference of numbers that are nearly the
+/// same, an edge that runs along another. It is evaluated so often, with operations that each round at random as far as those of cards may: compilers may
+/// fuse sums and products, quotients and roots are good to two units, functions to some. The result may be off by twice as much again as the farthest of
+/// these.
+const EVALUATIONS: u32 = 32;
+const OF_CARDS: Units = Units { of_sums_and_products: 1, of_quotients_and_functions: 4 };
+const TIMES: f32 = 2.0;
+
+/// Samples of a law, and what this processor makes of them.
+pub(super) struct Expected<'a> {
+    law: &'a Law,
+    pub(super) arguments: Vec<f32>,
+    pub(super) results: Vec<f32>,
+}
+
+impl<'a> Expected<'a> {
+    pub(super) fn of(law: &'a Law) -> Self {
+        let (arguments, results) = expected(law);
+        Self { law, arguments, results }
+    }
+
+    /// How many of these results differ, and the one that does most; nothing if there are none. No more are looked for than are enough.
+    pub(super) fn difference(&self, kernel: &Kernel, ours: &[f32], enough: usize) -> Option<String> {
+        let law = self.law;
+        let (mut wrong, mut worst) = (0, (0.0, String::new()));
+        let mut spreads =
+            Spreads { kernel, buffers: [self.arguments.clone(), self.results.clone()], known: HashMap::new() };
+        for (result, (ours, theirs)) in ours.chunks(SAMPLES).zip(self.results.chunks(SAMPLES)).enumerate() {
+            let finite = || theirs.iter().filter(|number| number.is_finite());
+            let largest = finite().fold(0.0f32, |a, b| a.max(b.abs()));
+            let is_slope = law.name.starts_with("yield stress") && result == 1;
+            let rounding = if is_slope { ROUNDING_OF_SLOPES } else { ROUNDING };
+            for (k, (ours, theirs)) in ours.iter().zip(theirs).enumerate() {
+                let scale = theirs.abs().max(FLOOR * largest).max(f32::MIN_POSITIVE);
+                let off = (ours - theirs).abs();
+                if same(*theirs, *ours) || off < rounding * scale {
+                    continue;
+                }
+                let spread = spreads.of(&self.results, k)[result];
+                let bound = rounding * scale + TIMES * spread;
+                if off < bound {
+                    continue;
+                }
+                wrong += 1;
+                // What is no number here or there is worse than any that is.
+                let share = if off.is_finite() { off / bound } else { f32::INFINITY };
+                if share > worst.0 {
+                    let sample: Vec<_> = (0..law.ranges.len()).map(|a| self.arguments[a * SAMPLES + k]).collect();
+                    worst = (
+                        share,
+                        format!(
+                            "result {result} of {sample:?}: {ours} in place of {theirs}, {share:.2} times what may be rounded, of which {spread:e} where operations round at random"
+                        ),
+                    );
+                }
+                if wrong == enough {
+                    return Some(format!("{}: {wrong} results and more, the worst so far {}", law.name, worst.1));
+                }
+            }
+        }
+        (wrong > 0).then(|| format!("{}: {wrong} results, the worst {}", law.name, worst.1))
+    }
+}
+
+/// How far results of samples are off where operations round at random.
+struct Spreads<'a> {
+    kernel: &'a Kernel,
+    buffers: [Vec<f32>; 2],
+    known: HashMap<usize, Vec<f32>>,
+}
+
+impl Spreads<'_> {
+    /// Of every result of a sample.
+    fn of(&mut self, results: &[f32], k: usize) -> &[f32] {
+        let (kernel, buffers) = (self.kernel, &mut self.buffers);
+        self.known.entry(k).or_insert_with(|| {
+            let mut farthest = vec![0.0f32; results.len() / SAMPLES];
+            for number in 0..EVALUATIONS {
+                let thread = k as u32;
+                Evaluation::rounding_at_random(OF_CARDS, number).run_some(kernel, buffers, thread..thread + 1);
+                for (result, farthest) in farthest.iter_mut().enumerate() {
+                    let off = (buffers[1][result * SAMPLES + k] - results[result * SAMPLES + k]).abs();
+                    // What is no number for once bounds nothing.
+                    *farthest = farthest.max(if off.is_finite() { off } else { 0.0 });
+                }
+            }
+            farthest
+        })
+    }
+}
+
+/// Wrong signs that are tried in a law, and samples that they are tried with.
+const TRIED: usize = 16;
+const FOR_SIGNS: u32 = 400;
+
+/// What a kernel makes of the first samples; the others are as they should be.
+fn results(mut evaluation: Evaluation, kernel: &Kernel, expected: &Expected<'_>, samples: u32) -> Vec<f32> {
+    let mut buffers = [expected.arguments.clone(), expected.results.clone()];
+    evaluation.run(kernel, &mut buffers, samples);
+    let [_, results] = buffers;
+    results
+}
+
+/// The values that statements evaluate.
+fn evaluated(statements: &[Statement], all: &mut Vec<Value>) {
+    for statement in statements {
+        match statement {
+            Statement::Let(value) => all.push(*value),
+            Statement::If { then, otherwise, .. } => [then, otherwise].into_iter().for_each(|of| evaluated(of, all)),
+            Statement::Loop { body, .. } | Statement::Range { body, .. } => evaluated(body, all),
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn other_rounding_is_allowed_and_a_wrong_sign_is_not() {
+    let laws = laws();
+    let asked = ["moving least squares, 3", "contact of facets", "friction of facets", "gradient correction"];
+    for law in laws.iter().filter(|law| asked.contains(&law.name.as_str())) {
+        let (kernel, expected) = (kernel_of(law), Expected::of(law));
+        // As with CUDA.
+        let units = Units { of_sums_and_products: 0, of_quotients_and_functions: 2 };
+        let other = results(Evaluation::rounding_at_random(units, EVALUATIONS), &kernel, &expected, SAMPLES as u32);
+        assert_eq!(expected.difference(&kernel, &other, usize::MAX), None);
+        let mut all = Vec::new();
+        evaluated(&kernel.statements, &mut all);
+        let signs = all.into_iter().filter_map(|value| match kernel.operations[value as usize] {
+            Operation::Binary(Binary::Add, a, b) => Some((value, Operation::Binary(Binary::Subtract, a, b))),
+            Operation::Binary(Binary::Subtract, a, b) => Some((value, Operation::Binary(Binary::Add, a, b))),
+            _ => None,
+        });
+        let signs: Vec<_> = signs.collect();
+        let (mut missed, mut changing) = (Vec::new(), 0);
+        for (value, other) in signs.iter().step_by(signs.len().div_ceil(TRIED)) {
+            let mut wrong = kernel.clone();
+            wrong.operations[*value as usize] = *other;
+            let ours = results(Evaluation::default(), &wrong, &expected, FOR_SIGNS);
+            // The sign of a zero, as of what is not there in a plane, changes nothing.
+            if ours.iter().zip(&expected.results).all(|(a, b)| super::same(*a, *b) || (*a == 0.0 && *b == 0.0)) {
+                continue;
+            }
+            changing += 1;
+            if expected.difference(&kernel, &ours, 1).is_none() {
+                missed.push(*value);
+            }
+        }
+        assert!(changing >= TRIED / 2, "{}: {changing} of {TRIED} change anything", law.name);
+        // A few are in front of what is less than rounding in these samples.
+        assert!(missed.len() <= changing / 8, "{}: {missed:?} of {}", law.name, signs.len());
+    }
+}

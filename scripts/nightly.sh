@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# What takes too long for every change, or draws at random: run whole before a release and after a change of numerics, on an idle machine.
+#
+#     scripts/nightly.sh [vulkan|mutations|attacks|fuzz|decks|validate]...     all of them without a name, some hours on two cores
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+jobs=(vulkan mutations attacks fuzz decks validate)
+for job in "$@"; do
+    if [[ " ${jobs[*]} " != *" $job "* ]]; then
+        echo "no job \`$job\`: there are ${jobs[*]}" >&2
+        exit 2
+    fi
+done
+[ $# = 0 ] || jobs=("$@")
+cargo build --release --locked --quiet
+sphorge=target/release/sphorge
+
+for job in "${jobs[@]}"; do
+    printf '\n== %s\n' "$job"
+    case $job in
+        # Every model on Vulkan, that of a card or of the software renderer.
+        vulkan) SPHORGE_NEEDS_CARD=any cargo test -p sphorge-gpu --features device --lib --locked ;;
+        # Shipped decks with slips, other ones each time.
+        mutations) PROPTEST_CASES=20000 cargo test -p sphorge-cli --test mutations --locked ;;
+        attacks)
+            for kind in damaged forged decks; do
+                python3 scripts/attack_runs.py "$kind" $sphorge 300
+            done
+            ;;
+        fuzz) scripts/fuzz.sh 300 ;;
+        # Inputs that differ in their last bits, and what is shipped as it is shipped.
+        decks) python3 scripts/check_last_bits.py $sphorge && python3 scripts/check_decks.py $sphorge ;;
+        validate) $sphorge validate --resume -o target/nightly/validate ;;
+    esac
+done
