@@ -85,9 +85,12 @@ pub(crate) fn path(path: &Path) -> String {
     one_line(&path.display().to_string())
 }
 
-/// How miette shows diagnostics: lines are broken at spaces alone, so that keys and paths can be copied.
+/// How miette shows diagnostics: lines are broken at spaces alone, so that keys and paths can be copied. A path that is longer than a line stands out of it.
 fn options() -> MietteHandlerOpts {
-    MietteHandlerOpts::new().word_separator(WordSeparator::AsciiSpace).word_splitter(WordSplitter::NoHyphenation)
+    MietteHandlerOpts::new()
+        .word_separator(WordSeparator::AsciiSpace)
+        .word_splitter(WordSplitter::NoHyphenation)
+        .break_words(false)
 }
 
 /// A diagnostic as miette shows it.
@@ -226,6 +229,8 @@ pub(crate) fn json(value: &impl serde::Serialize) -> Result<String, Failure> {
 
 #[cfg(test)]
 mod tests {
+    use std::path::PathBuf;
+
     use super::*;
 
     const FOREIGN: &str = "a\u{1b}[31mred\r\u{9b}2J\u{202e}é\tb\n";
@@ -235,6 +240,15 @@ mod tests {
         let error = sphorge::output::OutputError::NotARun { path: "out".into() };
         let text = text_of(&error);
         assert!(text.starts_with("not-a-run\n") && !text.contains("::"), "{text}");
+    }
+
+    #[test]
+    fn a_path_that_is_longer_than_a_line_is_whole() {
+        let folder = PathBuf::from(format!("/{}/run of the plate", "a-long-name/".repeat(20)));
+        let error = sphorge::output::OutputError::NotARun { path: folder.clone() };
+        let text = text_of(&error);
+        let long = folder.to_str().unwrap().split(' ').next().unwrap();
+        assert!(text.lines().any(|line| line.contains(long)), "{text}");
     }
 
     #[test]
