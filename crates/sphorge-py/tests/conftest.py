@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+import re
+
 import pytest
 
 import sphorge as sp
@@ -25,6 +28,19 @@ PLATE = {
     "wall": [{"name": "anvil", "plane": {"point": ["0 mm", "0 mm"], "normal": [0, 1]}}],
     "measure": [{"name": "height", "extent": {"body": "plate", "axis": "y"}}],
 }
+
+
+def text_of(error):
+    """What an error says, on one line: where its lines are broken depends on the names of folders in it."""
+    return " ".join(str(error).replace("│", " ").split())
+
+
+@contextlib.contextmanager
+def raises(kind, match):
+    """The block raises such an error, and what it says matches the pattern."""
+    with pytest.raises(kind) as told:
+        yield told
+    assert re.search(match, text_of(told.value)), text_of(told.value)
 
 
 @pytest.fixture(autouse=True)

@@ -14,6 +14,7 @@ import types
 
 import numpy as np
 import pytest
+from conftest import raises
 
 import sphorge as sp
 from sphorge import _sphorge
@@ -75,7 +76,7 @@ def test_every_method_of_a_driver_refuses_odd_arguments(here, deck):
         calls(getattr(simulation._driver, method), numbers, 30)
     # A drive of a wrong size is refused by the engine, which ends the run.
     simulation._driver.drive([[0.0, 0.0, 0.0]] * 7, [])
-    with pytest.raises(sp.RunFailed, match="does not take"):
+    with raises(sp.RunFailed, match="does not take"):
         simulation.run()
     assert sp.Run("a").status == "failed"
 
@@ -86,7 +87,7 @@ def test_a_table_of_particles_that_vanishes_is_named(here):
     deck = sp.Deck({"dimensions": "plane-strain", "particles": {"spacing": "1 mm"}, "time": {"end": "1 ns"}, "body": [body]})
     deck.check()
     shutil.rmtree(here / "out/particles")
-    with pytest.raises(sp.DeckError, match="cannot be read"):
+    with raises(sp.DeckError, match="cannot be read"):
         deck.check()
 
 
@@ -184,7 +185,7 @@ def test_an_exception_that_cannot_be_told_ends_the_run_all_the_same(here, deck, 
 def test_a_callback_whose_name_is_none_is_told_as_a_function(here, deck, name):
     simulation = sp.Simulation(deck, out="a", threads=1)
     simulation.every(steps=2)(Nameless(name))
-    with pytest.raises(ValueError, match="mine"):
+    with raises(ValueError, match="mine"):
         simulation.run()
     assert "the callback `" in sp.Run("a").summary["stopped_by"]
     with pytest.raises(Mute), sp.Simulation(deck, out="b", threads=1) as left:

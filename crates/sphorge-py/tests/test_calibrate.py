@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import PLATE
+from conftest import PLATE, raises
 
 import sphorge as sp
 from sphorge._calibrate import GaussNewton, _targets
@@ -104,14 +104,14 @@ def test_why_nothing_was_measured_is_told(here, deck):
     velocity = "body.plate.velocity.1"
     deck["time.max-steps"] = 3
     own = sp.Deck.from_text(deck.text + '\n[[measure]]\nname = "turns"\nreversal-time = { axis = "y" }\n')
-    with pytest.raises(sp.SphorgeError, match=r"values to start from: the run fit.experiment-1.\S+ reached its end, and its measure `turns` has no value there"):
+    with raises(sp.SphorgeError, match=r"values to start from: the run fit.experiment-1.\S+ reached its end, and its measure `turns` has no value there"):
         sp.calibrate(own, {velocity: ("-100 m/s", "-50 m/s")}, {"turns": "3 us"}, out="fit")
-    with pytest.raises(sp.SphorgeError, match="begins with 2 points, and most_points is 1: nothing was run"):
+    with raises(sp.SphorgeError, match="begins with 2 points, and most_points is 1: nothing was run"):
         sp.calibrate(own, {velocity: ("-100 m/s", "-50 m/s")}, {"turns": "3 us"}, out="few", most_points=1)
     assert not (here / "few").exists()
     broken = deck.copy()
     broken["time.fixed-step"], broken["time.max-steps"] = "1 us", 100
-    with pytest.raises(sp.SphorgeError, match=r"the run failed.experiment-1.\S+ is failed"):
+    with raises(sp.SphorgeError, match=r"the run failed.experiment-1.\S+ is failed"):
         sp.calibrate(broken, {velocity: ("-100 m/s", "-50 m/s")}, {"height": "20 mm"}, out="failed")
 
 
@@ -172,7 +172,7 @@ def test_an_uncertainty_is_a_difference(bar):
 
     assert (target(("20 degC", "5 degC")).value, target(("20 degC", "5 degC")).uncertainty) == (293.15, 5.0)
     assert target(("20 degC", "0.5 K")).uncertainty == 0.5 and target(("300 K", 2.0)).uncertainty == 2.0
-    with pytest.raises(ValueError, match="above zero"):
+    with raises(ValueError, match="above zero"):
         target(("20 degC", "-1 degC"))
 
 

@@ -5,7 +5,7 @@ import pickle
 
 import numpy as np
 import pytest
-from conftest import PLATE
+from conftest import PLATE, raises
 
 import sphorge as sp
 
@@ -31,7 +31,7 @@ def test_keys_are_set_and_read(deck):
     assert deck["particles.spacing"] == "2 mm" and deck["body.0.velocity"] == ["0 m/s", -50.0]
     assert deck["body.plate.temperature"] == 300.0 and deck["output.fields"] == ["pressure", "velocity"]
     assert "time.end" in deck and "time.courant" not in deck and 5 not in deck
-    with pytest.raises(KeyError, match="courant"):
+    with raises(KeyError, match="courant"):
         deck["time.courant"]
     own = deck.copy()
     own["particles.spacing"] = "4 mm"
@@ -67,7 +67,7 @@ def test_a_text_that_is_none_is_named(deck):
         (lambda: sp.Deck(PLATE, name=half), "the name of the deck"),
         (lambda: sp.Deck.from_text(half), "the text of the deck"),
     ]:
-        with pytest.raises(ValueError, match=f"{named}: character .* surrogates") as told:
+        with raises(ValueError, match=f"{named}: character .* surrogates") as told:
             make()
         told.value.args[0].encode()
 
@@ -98,14 +98,14 @@ def test_what_is_no_deck_is_a_type_error(source):
 
 
 def test_what_is_not_there_is_told(here):
-    with pytest.raises(sp.SphorgeError, match="there is no deck `iron-plat`") as missing:
+    with raises(sp.SphorgeError, match="there is no deck `iron-plat`") as missing:
         sp.Deck("iron-plat")
     assert "did you mean `iron-plate`" in missing.value.hint
     for path in ("none.toml", here, "a/b.toml", "nul\0.toml"):
         with pytest.raises((sp.DeckError, ValueError)):
             sp.Deck(path)
     (here / "bytes.toml").write_bytes(b"title = \"\xff\"")
-    with pytest.raises(sp.DeckError, match="UTF-8"):
+    with raises(sp.DeckError, match="UTF-8"):
         sp.Deck("bytes.toml")
     with pytest.raises(sp.DeckError):
         sp.Deck.from_text("title = ").check()
@@ -157,5 +157,5 @@ def test_materials_have_constants_with_units():
     assert iron["strength"]["key"] == "johnson-cook" and iron["strength"]["constants"]["A"]["unit"] == "Pa"
     assert "Patiño" in iron["reference"]
     assert sp.fields["pressure"][0] == "Pa"
-    with pytest.raises(KeyError, match="did you mean `armco-iron`.*there are: .*armco-iron"):
+    with raises(KeyError, match="did you mean `armco-iron`.*there are: .*armco-iron"):
         sp.materials["armco"]

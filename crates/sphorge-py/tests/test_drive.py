@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import PLATE
+from conftest import PLATE, raises
 
 import sphorge as sp
 
@@ -155,7 +155,7 @@ def test_a_driven_run_does_not_go_on_with_some_of_its_functions(here, free):
     begun.stop()
     again = sp.Simulation.resume("two", threads=1)
     again.load("plate")(lambda state: [1e6, 0.0])
-    with pytest.raises(sp.SphorgeError, match="does not give the load on `other`"):
+    with raises(sp.SphorgeError, match="does not give the load on `other`"):
         again.run()
     again.load("other")(lambda state: [0.0, 0.0])
     assert again.run().status.startswith("completed")
@@ -174,7 +174,7 @@ def test_a_driven_run_goes_on_by_the_program_that_drives_it_alone(here, free):
         broken.step()
     broken.stop()
     again = sp.Simulation.resume("broken", threads=1)
-    with pytest.raises(sp.SphorgeError, match="a program gave loads") as refused:
+    with raises(sp.SphorgeError, match="a program gave loads") as refused:
         again.step()
     assert "@simulation.load" in refused.value.hint
     run = drive(again).run()
@@ -195,24 +195,24 @@ def test_a_driven_run_goes_on_by_the_program_that_drives_it_alone(here, free):
 def test_a_load_that_is_none_ends_the_run_and_is_named(here, free, given):
     simulation = sp.Simulation(free, out="a", threads=1)
     simulation.load("plate")(lambda state: given)
-    with pytest.raises((TypeError, ValueError), match="the load on `plate`"):
+    with raises((TypeError, ValueError), match="the load on `plate`"):
         simulation.run()
     assert sp.Run("a").status == "stopped" and simulation.has_ended
 
 
 def test_what_cannot_be_driven_is_told(free):
     simulation = sp.Simulation(free, threads=1)
-    with pytest.raises(sp.SphorgeError, match="no body `plat`") as wrong:
+    with raises(sp.SphorgeError, match="no body `plat`") as wrong:
         simulation.load("plat")
     assert wrong.value.hint == "did you mean `plate`? there are: plate"
-    with pytest.raises(sp.SphorgeError, match="has the region"):
+    with raises(sp.SphorgeError, match="has the region"):
         simulation.motion("grip")
     with pytest.raises(TypeError):
         simulation.load(5)
     with pytest.raises(TypeError):
         simulation.load("plate")(5)
     simulation.load("plate")(lambda state: sp.STOP)
-    with pytest.raises(sp.SphorgeError, match="has one already"):
+    with raises(sp.SphorgeError, match="has one already"):
         simulation.load("plate")(lambda state: [0.0, 0.0])
     run = simulation.run()
     assert run.status == "stopped" and simulation.steps == 0 and run.summary["stopped_by"] == "the load on `plate` returned sphorge.STOP"
@@ -225,13 +225,13 @@ def test_a_load_that_raises_ends_the_run_with_its_files_whole(here, free):
     def push(state):
         if state.step == 5:
             raise ZeroDivisionError("mine")
-        with pytest.raises(ValueError, match="read-only"):
+        with raises(ValueError, match="read-only"):
             state["velocity"][0, 0] = 1.0
-        with pytest.raises(sp.SphorgeError, match="cannot drive"):
+        with raises(sp.SphorgeError, match="cannot drive"):
             simulation.step()
         return [1.0, 0.0]
 
-    with pytest.raises(ZeroDivisionError, match="mine"):
+    with raises(ZeroDivisionError, match="mine"):
         simulation.run()
     run = sp.Run("a")
     assert run.status == "stopped" and run.summary["steps"] == 5 and len(run.frames) >= 1
@@ -281,9 +281,9 @@ def test_a_table_that_has_changed_is_told_where_the_run_goes_on(here):
     table = here / shape["table"]["file"]
     before = table.read_text()
     table.write_text(before.replace("1e-06", "1.5e-06"))
-    with pytest.raises(sp.SphorgeError, match=r"(?s)the particles of `plate` in .* have changed") as told:
+    with raises(sp.SphorgeError, match="the particles of `plate` in .* have changed") as told:
         sp.Simulation.resume("a", threads=1)
-    assert table.name in "".join(str(told.value).split()) and "bring the file back" in told.value.hint
+    assert table.name in str(told.value) and "bring the file back" in told.value.hint
     # Other words for the same particles are no change.
     table.write_text(before.replace("1e-06", "0.000001"))
     assert sp.Simulation.resume("a", threads=1).run().status.startswith("completed")
@@ -319,7 +319,7 @@ def test_a_table_that_has_changed_is_told_where_the_run_goes_on(here):
     ],
 )
 def test_arrays_that_are_no_particles_are_named(here, arguments, told):
-    with pytest.raises((ValueError, TypeError), match=told):
+    with raises((ValueError, TypeError), match=told):
         sp.particles(**arguments)
     assert list(here.iterdir()) == []
 
@@ -332,9 +332,9 @@ def test_nothing_is_left_of_an_axis_that_the_deck_does_not_have():
     assert check(positions=flat, velocities=0.0 * flat)["particles"] == 64
     inclined, thrown = flat.copy(), np.zeros_like(flat)
     inclined[:, 2], thrown[:, 2] = inclined[:, 0], 100.0
-    with pytest.raises(sp.DeckError, match="column `z`: the deck is plane strain"):
+    with raises(sp.DeckError, match="column `z`: the deck is plane strain"):
         check(positions=inclined)
-    with pytest.raises(sp.DeckError, match="column `vz`: the deck is plane strain"):
+    with raises(sp.DeckError, match="column `vz`: the deck is plane strain"):
         check(positions=flat, velocities=thrown)
 
 
@@ -376,6 +376,6 @@ def test_steps_that_are_taken_back_are_driven_anew():
 
 def test_bodies_that_only_conduct_cannot_be_driven():
     simulation = sp.Simulation("heat-slab", threads=1)
-    with pytest.raises(sp.SphorgeError, match="takes no loads") as error:
+    with raises(sp.SphorgeError, match="takes no loads") as error:
         simulation.load(simulation._bodies[0])
     assert "bodies can move" in error.value.hint

@@ -10,6 +10,7 @@ import types
 from pathlib import Path
 
 import pytest
+from conftest import raises
 
 import sphorge as sp
 from sphorge import _notebook
@@ -32,7 +33,7 @@ def test_pictures_are_those_of_the_command_line(here, run):
     lines = run.plot(column=["height", "kinetic_energy"], format="svg")
     assert lines.data.startswith((b"<svg", b"<?xml")) and lines._repr_svg_() and lines._repr_png_() is None
     assert picture.save("own.png").read_bytes() == picture.data
-    with pytest.raises(ValueError, match="does not end in .png"):
+    with raises(ValueError, match="does not end in .png"):
         picture.save("own.svg")
     # What was drawn for it is gone.
     assert {path.name for path in here.iterdir()} == {"a", "told.png", "own.png"}
@@ -51,7 +52,7 @@ def test_animations_are_png_or_webp(here, run):
         assert getattr(read, "n_frames", 1) == 1
     whole = run.plot("pressure", animate=True, width="300 px", duration="1 s", format="webp")
     assert whole.save("b.webp").read_bytes() == (here / "a.webp").read_bytes() and "image/webp" in whole._repr_html_()
-    with pytest.raises(ValueError, match="does not end in .webp"):
+    with raises(ValueError, match="does not end in .webp"):
         whole.save("b.png")
 
 
@@ -60,15 +61,15 @@ def test_whether_there_is_pillow_is_looked_at_before_anything_is_drawn(run, monk
 
     monkeypatch.setitem(sys.modules, "PIL.Image", None)
     monkeypatch.setattr(_sphorge, "draw", lambda *_: pytest.fail("it was drawn"))
-    with pytest.raises(ImportError, match="pip install pillow"):
+    with raises(ImportError, match="pip install pillow"):
         run.plot("pressure", animate=True, format="webp")
 
 
 def test_keywords_that_there_are_not_are_named(run):
-    with pytest.raises(TypeError, match="plot\\(\\) has no option `fieldd`; did you mean `field`\\? there are: .*section"):
+    with raises(TypeError, match="plot\\(\\) has no option `fieldd`; did you mean `field`\\? there are: .*section"):
         run.plot(fieldd="pressure")
     for wrong in ("output", "help", "quiett", "no-lock"):
-        with pytest.raises(TypeError, match="has no option"):
+        with raises(TypeError, match="has no option"):
             run.frames[-1].plot(**{wrong: 1})
 
 
@@ -86,7 +87,7 @@ def test_keywords_that_there_are_not_are_named(run):
     ],
 )
 def test_what_cannot_be_drawn_is_told_as_by_a_terminal(here, run, options, told):
-    with pytest.raises(sp.SphorgeError, match=told) as error:
+    with raises(sp.SphorgeError, match=told) as error:
         run.plot(**options)
     assert "\x1b" not in str(error.value)
     assert {path.name for path in here.iterdir()} == {"a"}
@@ -191,11 +192,11 @@ def test_tables_are_written_as_parquet(here, deck):
 
 
 def test_a_run_on_ranks_needs_a_package_with_mpi(here, deck):
-    with pytest.raises(sp.SphorgeError, match="built without MPI") as error:
+    with raises(sp.SphorgeError, match="built without MPI") as error:
         sp.Simulation(deck, out="a", ranks=2)
     assert "threads" in error.value.hint
     for wrong in (0, -1, 1.5, "2", True):
-        with pytest.raises(ValueError, match="ranks"):
+        with raises(ValueError, match="ranks"):
             sp.Simulation(deck, out="a", ranks=wrong)
     assert os.listdir(here) == []
 
@@ -218,18 +219,18 @@ def test_a_run_on_ranks_is_looked_at_frame_by_frame(here, deck, stand_in):
     from test_simulation import history
 
     simulation = sp.Simulation(deck, out="a", ranks=3, threads=1)
-    with pytest.raises(sp.SphorgeError, match="a program of its own"):
+    with raises(sp.SphorgeError, match="a program of its own"):
         simulation.step()
-    with pytest.raises(sp.SphorgeError, match="takes no loads"):
+    with raises(sp.SphorgeError, match="takes no loads"):
         simulation.load("plate")
     frames = list(simulation)
     assert [frame.step for frame in frames][0] == 0 and len(frames) == 5 and simulation.has_ended
     sp.Simulation(deck, out="b", threads=1).run()
     assert history(here / "a") == history(here / "b") and simulation.summary["status"] == "completed"
     deck["time.fixed-step"] = "1 us"
-    with pytest.raises(sp.SphorgeError, match="fixed-step"):
+    with raises(sp.SphorgeError, match="fixed-step"):
         sp.Simulation(deck, out="c", ranks=3).run()
-    with pytest.raises(sp.SphorgeError, match="overwrite=True"):
+    with raises(sp.SphorgeError, match="overwrite=True"):
         sp.Simulation(deck, out="c", ranks=3).run()
     with pytest.raises(sp.DeckError):
         sp.Simulation(sp.Deck.from_text(deck.text.replace("armco", "armko")), out="d", ranks=3)

@@ -6,6 +6,7 @@ import os
 import shutil
 
 import pytest
+from conftest import raises
 from test_simulation import history
 
 import sphorge as sp
@@ -55,6 +56,6 @@ def test_a_run_on_two_ranks_that_is_stopped_goes_on_in_one_process(here, deck):
 
 def test_a_run_on_two_ranks_that_fails_says_so(deck):
     deck["time.fixed-step"] = "1 us"
-    with pytest.raises(sp.SphorgeError, match="fixed-step"):
+    with raises(sp.SphorgeError, match="fixed-step"):
         sp.Simulation(deck, out="a", ranks=2, threads=1).run()
     assert sp.Run("a").status == "failed"

@@ -7,6 +7,7 @@ import sys
 
 import numpy as np
 import pytest
+from conftest import raises
 
 import sphorge as sp
 
@@ -22,27 +23,27 @@ def test_a_run_is_read_with_units(run):
     history = run.history
     assert history.units["kinetic_energy"] == "J/m" and history.meanings["time"]
     assert history["height"][-1] == run.measures["height"] and (np.diff(history["time"]) > 0).all()
-    with pytest.raises(KeyError, match="did you mean `height`.*it has: .*height"):
+    with raises(KeyError, match="did you mean `height`.*it has: .*height"):
         history["heigt"]
     for numbers in (run.measures, run.measure_units):
-        with pytest.raises(KeyError, match="there is no measure `hight`; did you mean `height`"):
+        with raises(KeyError, match="there is no measure `hight`; did you mean `height`"):
             numbers["hight"]
         assert pickle.loads(pickle.dumps(numbers)) == numbers == dict(numbers)
-    with pytest.raises(KeyError, match="did you mean `plastic_strain`"):
+    with raises(KeyError, match="did you mean `plastic_strain`"):
         run.frames[-1]["plastic_strian"]
     frames = run.frames
     assert len(frames) == 5 and frames.times[2] == frames[2].time and frames[-1].step == run.summary["steps"]
     assert frames[0].spacings == [pytest.approx(1e-3)] and frames[0].bodies == ["plate"]
     assert frames.nearest("1.1 us").time == pytest.approx(1e-6) and len(frames[1:3]) == 2
     for index in (5, -6):
-        with pytest.raises(IndexError, match=f"no frame {index}: its frames are from 0 to 4, or from -5 to -1"):
+        with raises(IndexError, match=f"no frame {index}: its frames are from 0 to 4, or from -5 to -1"):
             frames[index]
     for time in (float("nan"), float("inf"), 10**400):
-        with pytest.raises(ValueError, match="nearest|too large"):
+        with raises(ValueError, match="nearest|too large"):
             frames.nearest(time)
-    with pytest.raises(IndexError, match="no frames"):
+    with raises(IndexError, match="no frames"):
         frames[5:].nearest(0.0)
-    with pytest.raises(IndexError, match="none yet"):
+    with raises(IndexError, match="none yet"):
         frames[5:][0]
     # What limited steps is a text.
     reasons = history["dt_reason"]
@@ -85,22 +86,22 @@ def test_what_is_no_run_or_damaged_is_told(here, run):
     (run.folder / "fields/000001.vtp").write_bytes(b"<VTKFile>")
     with pytest.raises(sp.FolderError):
         frame["pressure"]
-    with pytest.raises(sp.FolderError, match="000001.vtp"):
+    with raises(sp.FolderError, match="000001.vtp"):
         run.frames[1]
     (run.folder / "history.csv").write_text("time,step\n1,2,3\n")
-    with pytest.raises(sp.FolderError, match="history.csv"):
+    with raises(sp.FolderError, match="history.csv"):
         run.history
     (run.folder / "history.csv").write_text("")
-    with pytest.raises(sp.FolderError, match="history.csv.*empty"):
+    with raises(sp.FolderError, match="history.csv.*empty"):
         run.history
     (run.folder / "deck.toml").write_bytes(b"\xff\x00")
-    with pytest.raises(sp.FolderError, match="deck.toml is damaged"):
+    with raises(sp.FolderError, match="deck.toml is damaged"):
         run.deck
     (run.folder / "deck.toml").unlink()
-    with pytest.raises(sp.FolderError, match="deck.toml"):
+    with raises(sp.FolderError, match="deck.toml"):
         run.deck
     (run.folder / "summary.json").write_text("{")
-    with pytest.raises(sp.FolderError, match="summary.json"):
+    with raises(sp.FolderError, match="summary.json"):
         run.status
 
 
@@ -139,13 +140,13 @@ def test_runs_are_written_for_rerun(here, run):
     file = run.to_rerun("a.rrd", "pressure")
     told = subprocess.run([sys.executable, "-m", "rerun", "rrd", "print", str(file)], capture_output=True, text=True, timeout=120)
     assert told.returncode == 0 and "/bodies/plate" in told.stdout and "/measures/height" in told.stdout, told.stderr
-    with pytest.raises(KeyError, match="no field `presure`"):
+    with raises(KeyError, match="no field `presure`"):
         run.to_rerun("b.rrd", "presure")
 
 
 def test_a_package_that_is_missing_is_named(run, monkeypatch):
     monkeypatch.setitem(sys.modules, "polars", None)
-    with pytest.raises(ImportError, match="pip install polars"):
+    with raises(ImportError, match="pip install polars"):
         run.history.to_polars()
 
 

@@ -14,6 +14,7 @@ import weakref
 
 import numpy as np
 import pytest
+from conftest import raises
 
 import sphorge as sp
 from sphorge import _sphorge
@@ -48,7 +49,7 @@ def test_frames_come_as_the_run_writes_them(here, deck):
     pressure = frame["pressure"]
     pressure[:] = 1.0
     assert frame["pressure"].max() != 1.0
-    with pytest.raises(KeyError, match="it has: .*velocity"):
+    with raises(KeyError, match="it has: .*velocity"):
         frame["presure"]
     assert list(simulation) == []
 
@@ -76,11 +77,11 @@ def test_steps_are_taken_one_by_one(deck):
     assert (first["velocity"] == [0.0, -100.0, 0.0]).all() and first["stress"].shape == (192, 6)
     state = simulation.step()
     assert (state.step, simulation.steps) == (1, 1) and state.time == pytest.approx(state.dt) and state.dt > 0
-    with pytest.raises(sp.SphorgeError, match="this state is gone"):
+    with raises(sp.SphorgeError, match="this state is gone"):
         first["position"]
     with pytest.raises(ValueError):
         state["position"][0] = 0.0
-    with pytest.raises(KeyError, match="did you mean"):
+    with raises(KeyError, match="did you mean"):
         state["presure"]
     assert state["id"].dtype == np.uint32 and (state["id"] == np.arange(192)).all()
     count = 1
@@ -88,7 +89,7 @@ def test_steps_are_taken_one_by_one(deck):
         count += 1
     assert simulation.has_ended and simulation.step() is None
     assert simulation.summary["steps"] in (count, count + 1)
-    with pytest.raises(RuntimeError, match="has ended"):
+    with raises(RuntimeError, match="has ended"):
         simulation.state["position"]
     # Frames that nobody asked for are there.
     assert len(list(simulation)) == 5 and len(sp.Run(simulation.folder).frames) == 5
@@ -131,7 +132,7 @@ def test_a_callback_that_raises_ends_the_run_with_whole_files(deck):
     def watch(state):
         raise Own("seven")
 
-    with pytest.raises(Own, match="seven"):
+    with raises(Own, match="seven"):
         list(simulation)
     assert simulation.has_ended and simulation.summary["status"] == "stopped" and simulation.summary["steps"] == 7
     assert simulation.summary["end_reason"] == "program" and simulation.summary["stopped_by"] == "the callback `watch` raised Own: seven"
@@ -147,7 +148,7 @@ def test_callbacks_cannot_drive_the_run_they_are_called_by(deck):
     @simulation.every(steps=3)
     def watch(state):
         for attempt in (simulation.step, simulation.run, simulation.stop, lambda: next(simulation)):
-            with pytest.raises(sp.SphorgeError, match="callback"):
+            with raises(sp.SphorgeError, match="callback"):
                 attempt()
             raised.append(1)
         return sp.STOP
@@ -170,7 +171,7 @@ def test_intervals_that_are_none_are_told(deck, interval):
     simulation.run()
     assert called[:2] == [3, 6]
     for late in (lambda: simulation.every(steps=1), lambda: simulation.load("plate")):
-        with pytest.raises(sp.SphorgeError, match="the simulation has ended"):
+        with raises(sp.SphorgeError, match="the simulation has ended"):
             late()
 
 
@@ -227,7 +228,7 @@ def test_a_deck_that_is_changed_during_its_run_changes_nothing(here, deck):
 
 def test_folders_in_the_way_are_told(here, deck):
     sp.Simulation(deck, out="a").run()
-    with pytest.raises(sp.FolderError, match="exists already") as there:
+    with raises(sp.FolderError, match="exists already") as there:
         sp.Simulation(deck, out="a")
     assert "overwrite" in there.value.hint and isinstance(there.value, OSError)
     assert sp.Simulation(deck, out="a", overwrite=True).run().status == "completed"
@@ -237,7 +238,7 @@ def test_folders_in_the_way_are_told(here, deck):
             sp.Simulation(deck, out=place, overwrite=True)
     assert (here / "file").read_text() == "mine"
     busy = sp.Simulation(deck, out="busy")
-    with pytest.raises(sp.FolderError, match="another run writes"):
+    with raises(sp.FolderError, match="another run writes"):
         sp.Simulation(deck, out="busy", overwrite=True)
     assert busy.run().status == "completed"
 
@@ -249,17 +250,17 @@ def test_a_simulation_that_takes_no_step_is_in_nobodys_way(here, deck):
         del simulation
         gc.collect()
         assert sp.Run("a").status == "stopped"
-        with pytest.raises(sp.SphorgeError, match="has taken no step") as told:
+        with raises(sp.SphorgeError, match="has taken no step") as told:
             sp.Simulation.resume("a")
         assert "run the deck again" in told.value.hint
     # While it is there, it has the folder.
     begun = sp.Simulation(deck, out="a", threads=1)
-    with pytest.raises(sp.FolderError, match="exists already"):
+    with raises(sp.FolderError, match="exists already"):
         sp.Simulation(deck, out="a")
     begun.step()
     begun.stop()
     # What has taken a step is not lost.
-    with pytest.raises(sp.FolderError, match="exists already"):
+    with raises(sp.FolderError, match="exists already"):
         sp.Simulation(deck, out="a")
     assert sp.Simulation.resume("a", threads=1).run().status == "completed"
 
@@ -287,7 +288,7 @@ def test_a_folder_that_vanishes_is_an_exception_and_no_more(here, deck):
 
 def test_a_run_that_breaks_down_says_where(deck):
     deck["time.fixed-step"] = "1 us"
-    with pytest.raises(sp.RunFailed, match="fixed-step") as failed:
+    with raises(sp.RunFailed, match="fixed-step") as failed:
         sp.Simulation(deck, out="a").run()
     assert failed.value.step == 1 and failed.value.time == 0.0
     assert sp.Run("a").status == "failed"
@@ -436,18 +437,18 @@ def test_other_threads_run_while_steps_are_taken(deck):
 
 @pytest.mark.parametrize("on_a_pool", [False, True])
 def test_a_panic_becomes_an_exception(on_a_pool, capfd):
-    with pytest.raises(sp.InternalError, match="this is a bug in Sphorge: a panic for tests"):
+    with raises(sp.InternalError, match="this is a bug in Sphorge: a panic for tests"):
         _sphorge.panic_for_tests(on_a_pool)
     assert issubclass(sp.InternalError, Exception)
 
 
 def test_a_resumed_run_takes_what_may_change_alone(here, deck):
-    with pytest.raises(sp.SphorgeError, match="no-such|cannot read"):
+    with raises(sp.SphorgeError, match="no-such|cannot read"):
         sp.Simulation.resume("no-such")
     sp.Simulation(deck, out="a", checkpoint_at_end=True, threads=1).run()
-    with pytest.raises(sp.SphorgeError, match="has ended"):
+    with raises(sp.SphorgeError, match="has ended"):
         sp.Simulation.resume("a")
-    with pytest.raises(sp.SphorgeError, match="particles.spacing"):
+    with raises(sp.SphorgeError, match="particles.spacing"):
         sp.Simulation.resume("a", {"particles.spacing": "2 mm"})
     longer = sp.Simulation.resume("a", {"time.end": "3 us"}, threads=1)
     assert longer.time == pytest.approx(2e-6)

@@ -9,6 +9,7 @@ import time
 
 import numpy as np
 import pytest
+from conftest import raises
 
 import sphorge as sp
 
@@ -61,13 +62,13 @@ def test_what_is_wrong_is_told_before_the_first_run(here, deck):
             sp.sweep(deck, {"time.end": ["1 us"]}, out="s", **wrong)
     for keys in (("body.plate.velocity.1", "body.0.velocity.1"), ("body.plate.velocity", "body.plate.velocity.1"), ('"time"."end"', "time.end")):
         values = {"body.plate.velocity": [[0.0, -1.0]]}
-        with pytest.raises(sp.SphorgeError, match="set the same") as both:
+        with raises(sp.SphorgeError, match="set the same") as both:
             sp.sweep(deck, {key: values.get(key, ["1 us"] if "time" in key else [-2.0]) for key in keys}, out="s")
         assert all(f"`{key}`" in str(both.value) for key in keys)
     deck["time.end"] = "1 us"
-    with pytest.raises(sp.SphorgeError, match='`time.end` is set, and `"time".end`'):
+    with raises(sp.SphorgeError, match='`time.end` is set, and `"time".end`'):
         sp.sweep(deck, {'"time".end': ["1 us"]}, out="s")
-    with pytest.raises(sp.SphorgeError, match="set and varied"):
+    with raises(sp.SphorgeError, match="set and varied"):
         sp.sweep(deck, {"time.end": ["1 us"]}, out="s")
     assert os.listdir(here) == []
 
@@ -84,9 +85,9 @@ def test_measures_have_order_and_limit(deck):
     height = found["height"]
     assert height.unit == "m" and list(height.values) == list(found.table["height"]) and len(height.values) == 3
     assert (height.order is None) == (height.limit is None) == (height.why_not is not None)
-    with pytest.raises(KeyError, match="did you mean `height`"):
+    with raises(KeyError, match="did you mean `height`"):
         found["heigt"]
-    with pytest.raises(sp.SphorgeError, match="one spacing"):
+    with raises(sp.SphorgeError, match="one spacing"):
         sp.convergence(deck, ["1 mm"], out="d")
     with pytest.raises(TypeError):
         sp.convergence(deck, "1 mm", out="d")
@@ -110,7 +111,7 @@ def test_too_many_runs_are_counted_and_not_made_ready(here, deck):
         lambda: sp.sweep(deck, {"time.end": many[:1000], "time.max-steps": range(1, 1001)}, out="s"),
         lambda: sp.convergence(deck, np.linspace(1e-3, 2e-3, 20_000), out="s"),
     ):
-        with pytest.raises((sp.SphorgeError, ValueError), match="more than 10000"):
+        with raises((sp.SphorgeError, ValueError), match="more than 10000"):
             make()
     assert time.monotonic() - begun < 20.0 and os.listdir(here) == []
 
@@ -136,7 +137,7 @@ def test_two_studies_do_not_make_the_same_runs(here, long_deck):
     while not (here / "s/particles.spacing=0.5mm/history.csv").exists():
         assert child.poll() is None
         time.sleep(0.05)
-    with pytest.raises(sp.FolderError, match="another study makes runs in s: process") as told:
+    with raises(sp.FolderError, match="another study makes runs in s: process") as told:
         sp.sweep("long.toml", {"particles.spacing": ["0.5 mm", "2 mm"]}, out="s")
     assert "overwrite" not in str(told.value) and not (here / "s/particles.spacing=2mm").exists()
     child.send_signal(signal.SIGINT)

@@ -7,16 +7,12 @@ import subprocess
 import sys
 
 import pytest
+from conftest import text_of
 
 import sphorge as sp
 
 #: An option of the command line.
 OPTION = re.compile(r"(^|[\\s`(])--?[a-z]")
-
-
-def words(error):
-    """A text without the breaks of its lines and the frame that stands before them."""
-    return " ".join(str(error).replace("│", " ").split())
 
 
 def test_no_message_speaks_of_options_of_the_command_line(here, deck):
@@ -54,7 +50,7 @@ def test_no_message_speaks_of_options_of_the_command_line(here, deck):
     for told, make in cases.items():
         with pytest.raises(Exception) as raised:
             make()
-        text = words(raised.value)
+        text = text_of(raised.value)
         # Nor of what is where in the library.
         assert "::" not in text and "cargo" not in text, text
         assert not OPTION.search(text), text
