@@ -61,6 +61,8 @@ pub(crate) enum Command {
     Plot(Box<plot::PlotArguments>),
     /// Look at runs in a browser, also while they go on: fields, sections, history, single particles
     View(Box<view::ViewArguments>),
+    /// List what has broken off in a run: mass, velocity, spin and size of every fragment
+    Fragments(fragments::FragmentsArguments),
     /// Run a deck with every combination of some values of some keys, and list what was measured
     Sweep(sweep::SweepArguments),
     /// Run a deck at several particle spacings: order of convergence and limit of every measure
@@ -94,6 +96,7 @@ impl Command {
             Self::Materials(arguments) => materials::execute(arguments),
             Self::Plot(arguments) => plot::execute(&arguments),
             Self::View(arguments) => view::execute(&arguments),
+            Self::Fragments(arguments) => fragments::execute(arguments),
             Self::Sweep(arguments) => sweep::execute(arguments, program),
             Self::Convergence(arguments) => convergence::execute(arguments, program),
             Self::Compare(arguments) => compare::execute(arguments),

@@ -6,6 +6,7 @@ use sphorge_engine::model::{
 };
 use sphorge_physics::flow::FlowState;
 use sphorge_physics::integrity::smeared_width;
+use sphorge_physics::tensor::principal_values;
 
 /// Damage number `rho v^2 / Y` (Johnson 1972) from which on metal comes apart, and from which on it flows enough to shorten the time step.
 const HYPERVELOCITY: f64 = 100.0;
@@ -208,28 +209,6 @@ fn particles_across(model: &Model, particles: &Particles, b: usize) -> Option<[f
     let values = &principal_values(moments)[..];
     let values = if model.dimensions == Dimensions::Three { values } else { &values[1..] };
     Some([of_moment(*values.first()?), of_moment(*values.last()?)]).filter(|_| count > 0.0)
-}
-
-/// Principal values of a symmetric tensor without negative ones, the smallest first (Jacobi's rotations).
-fn principal_values(mut m: [[f64; 3]; 3]) -> [f64; 3] {
-    for _ in 0..20 {
-        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            if m[p][q] == 0.0 {
-                continue;
-            }
-            let (s, c) = (0.5 * (2.0 * m[p][q]).atan2(m[q][q] - m[p][p])).sin_cos();
-            for row in &mut m {
-                (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
-            }
-            let [of_p, of_q] = [m[p], m[q]];
-            for a in 0..3 {
-                (m[p][a], m[q][a]) = (c * of_p[a] - s * of_q[a], s * of_p[a] + c * of_q[a]);
-            }
-        }
-    }
-    let mut values = [m[0][0], m[1][1], m[2][2]];
-    values.sort_by(f64::total_cmp);
-    values
 }
 
 /// Share of a spacing to which positions are kept in mixed precision without a word: 31 bits of the distance between bodies.
@@ -509,10 +488,6 @@ mod tests {
         assert!(notes(&of_layers(2), plane)[0].contains("about 4 particles") && notes(&of_layers(3), plane).is_empty());
         // What is as long as it is thick does not bend.
         assert!(notes("box = { min = [0, 0, 0], max = [\"3 mm\", \"3 mm\", \"3 mm\"] }", "").is_empty());
-        // det = 5 (12 - 1) - 2 (6 + 0.3) + 0.3 (-2 - 1.2).
-        let turned = principal_values([[5.0, 2.0, 0.3], [2.0, 4.0, -1.0], [0.3, -1.0, 3.0]]);
-        let (trace, determinant) = (turned.iter().sum::<f64>(), turned.iter().product::<f64>());
-        assert!((trace - 12.0).abs() < 1e-12 && (determinant - 41.44).abs() < 1e-10, "{turned:?}");
     }
 
     #[test]

@@ -248,6 +248,28 @@ pub fn inverse<T: Real>(a: &Tensor<T>) -> Tensor<T> {
     inv
 }
 
+/// Principal values of a symmetric tensor, the smallest first, by Jacobi's rotations.
+pub fn principal_values(mut m: Tensor<f64>) -> [f64; 3] {
+    for _ in 0..20 {
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            if m[p][q] == 0.0 {
+                continue;
+            }
+            let (s, c) = (0.5 * (2.0 * m[p][q]).atan2(m[q][q] - m[p][p])).sin_cos();
+            for row in &mut m {
+                (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
+            }
+            let [of_p, of_q] = [m[p], m[q]];
+            for a in 0..3 {
+                (m[p][a], m[q][a]) = (c * of_p[a] - s * of_q[a], s * of_p[a] + c * of_q[a]);
+            }
+        }
+    }
+    let mut values = [m[0][0], m[1][1], m[2][2]];
+    values.sort_by(f64::total_cmp);
+    values
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -286,5 +308,15 @@ mod tests {
         let t = SymmetricTensor { xx: 1.0, yy: 2.0, zz: 3.0, xy: 4.0, yz: 5.0, xz: 6.0 };
         let r = t.congruence(&q);
         assert_eq!(r, SymmetricTensor { xx: 2.0, yy: 1.0, zz: 3.0, xy: -4.0, yz: 6.0, xz: -5.0 });
+    }
+
+    #[test]
+    fn principal_values_have_trace_and_determinant_and_are_sorted() {
+        // det = 5 (12 - 1) - 2 (6 + 0.3) + 0.3 (-2 - 1.2).
+        let turned = principal_values([[5.0, 2.0, 0.3], [2.0, 4.0, -1.0], [0.3, -1.0, 3.0]]);
+        let (trace, determinant) = (turned.iter().sum::<f64>(), turned.iter().product::<f64>());
+        assert!((trace - 12.0).abs() < 1e-12 && (determinant - 41.44).abs() < 1e-10, "{turned:?}");
+        assert!(turned.is_sorted() && turned[0] > 0.0);
+        assert_eq!(principal_values([[3.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 2.0]]), [1.0, 2.0, 3.0]);
     }
 }

@@ -5,6 +5,7 @@ use miette::Diagnostic;
 use pyo3::{exceptions::PyRuntimeError, prelude::*, types::PyDict};
 use sphorge::{
     deck::DeckReport,
+    fragments::FragmentError,
     output::{FailureRecord, OutputError},
     run::{ResumeError, RunError},
     sweep::SweepError,
@@ -130,6 +131,17 @@ pub(crate) fn sweep(py: Python<'_>, error: &SweepError) -> PyErr {
         | SweepError::Unsupported { .. }
         | SweepError::Unknown { .. }
         | SweepError::Stopped => plain(py, "SphorgeError", error),
+    }
+}
+
+/// Fragments that cannot be found.
+pub(crate) fn fragments(py: Python<'_>, error: &FragmentError) -> PyErr {
+    match error {
+        FragmentError::Output(error) => output(py, error),
+        FragmentError::Mass(_) | FragmentError::OtherParticles { .. } => plain(py, "FolderError", error),
+        FragmentError::Choice(_) | FragmentError::Field { .. } | FragmentError::Option { .. } => {
+            plain(py, "SphorgeError", error)
+        }
     }
 }
 

@@ -2,7 +2,11 @@
 
 use crate::{errors, guard, values::Packed};
 use pyo3::{exceptions::PyKeyError, prelude::*, types::PyByteArray};
-use sphorge::output::{FrameFile, HistoryTable, OutputError, RunDirectory, Summary, read_series};
+use sphorge::{
+    fragments::{FragmentError, FragmentOptions, fragments as of_run},
+    output::{FrameFile, HistoryTable, OutputError, RunDirectory, Summary, read_series},
+    plot::FrameChoice,
+};
 use std::path::PathBuf;
 
 /// The summary of a run in JSON; none while it has not ended.
@@ -51,6 +55,25 @@ pub(crate) fn history(py: Python<'_>, folder: PathBuf) -> PyResult<Vec<HistoryCo
 pub(crate) fn frames(py: Python<'_>, folder: PathBuf) -> PyResult<Vec<(f64, PathBuf)>> {
     let read = guard::detached(py, || RunDirectory::open(&folder).and_then(|run| read_series(&run)))?;
     read.map_err(|error| errors::output(py, &error))
+}
+
+/// The fragments in a frame of a run, in JSON.
+#[pyfunction]
+pub(crate) fn fragments(
+    py: Python<'_>,
+    folder: PathBuf,
+    frame: usize,
+    bodies: Vec<String>,
+    link: f64,
+    least: u64,
+) -> PyResult<String> {
+    let options = FragmentOptions { bodies, link, least };
+    let find = || -> Result<_, FragmentError> {
+        let tables = of_run(&RunDirectory::open(&folder)?, Some(FrameChoice::Index(frame)), &options)?;
+        Ok(tables.into_iter().next())
+    };
+    let table = guard::detached(py, find)?.map_err(|error| errors::fragments(py, &error))?;
+    serde_json::to_string(&table).map_err(|error| errors::internal(py, &error.to_string()))
 }
 
 /// A frame on the disk.

@@ -31,6 +31,7 @@ fn _sphorge(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(files::summary, module)?)?;
     module.add_function(wrap_pyfunction!(files::history, module)?)?;
     module.add_function(wrap_pyfunction!(files::frames, module)?)?;
+    module.add_function(wrap_pyfunction!(files::fragments, module)?)?;
     module.add_function(wrap_pyfunction!(simulation::fields, module)?)?;
     module.add_function(wrap_pyfunction!(studies::sweep, module)?)?;
     module.add_function(wrap_pyfunction!(studies::convergence, module)?)?;

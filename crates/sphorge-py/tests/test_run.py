@@ -170,3 +170,26 @@ def test_importing_takes_no_time():
     program = "import time; t = time.process_time(); import sphorge; print(time.process_time() - t)"
     fastest = min(float(subprocess.run([sys.executable, "-c", program], capture_output=True, text=True).stdout) for _ in range(3))
     assert fastest < 0.2, fastest
+
+
+def test_fragments_of_a_frame(deck):
+    run = sp.Simulation(deck, out="a", threads=1).run()
+    fragments = run.frames[-1].fragments()
+    assert fragments.count == 1 and list(fragments["body"]) == ["plate"] and list(fragments["particles"]) == [192]
+    assert fragments["mass"][0] == pytest.approx(192e-6 * 7890.0, rel=1e-6) and fragments.units["mass"] == "kg/m"
+    assert fragments["velocity"].shape == (1, 3) and -100.0 < fragments["velocity"][0, 1] < -50.0
+    assert fragments["size"][0] == pytest.approx([24e-3, 8e-3, 0.0], rel=0.02) and fragments.loose == {"plate": 0.0}
+    assert run.frames[0].fragments(least=193).count == 0 and run.frames[0].fragments(least=193).loose["plate"] > 1.0
+    with raises(sp.SphorgeError, match="no body `plaet`") as slip:
+        run.frames[0].fragments("plaet")
+    assert "did you mean `plate`" in slip.value.hint
+    with raises(sp.SphorgeError, match="a link of 0 spacings"):
+        run.frames[0].fragments(link=0)
+    with raises(TypeError, match="integer"):
+        run.frames[0].fragments(least=1.5)
+    with raises(OverflowError, match="negative"):
+        run.frames[0].fragments(least=-1)
+    with raises(KeyError, match="fragments have no `mas`"):
+        fragments["mas"]
+    frame = pytest.importorskip("pandas") and fragments.to_pandas()
+    assert frame.attrs["units"]["spin_z"] == "rad/s" and frame["size_1"][0] == fragments["size"][0, 0]

@@ -1,7 +1,7 @@
 //! Smoothed-particle hydrodynamics for metals that yield, flow and break.
 //!
 //! A [`deck`] becomes a validated [`model`]; [`run`] takes its [`particles`] through time with an [`engine`], [`measures`] them and
-//! writes what happened ([`output`]); [`plot`] and [`compare`] read the files, [`sweep`] varies keys of a deck,
+//! writes what happened ([`output`]); [`plot`], [`fragments`] and [`compare`] read the files, [`sweep`] varies keys of a deck,
 //! [`validate`] compares cases with known answers, [`view`] shows runs in a browser.
 //!
 //! ```
@@ -28,6 +28,7 @@ pub mod bench;
 mod cells;
 pub mod compare;
 pub mod forecast;
+pub mod fragments;
 mod machine;
 pub mod measures;
 mod number;

@@ -7,6 +7,7 @@ pub(crate) mod completions;
 pub(crate) mod convergence;
 pub(crate) mod decks;
 pub(crate) mod devices;
+pub(crate) mod fragments;
 pub(crate) mod man;
 pub(crate) mod materials;
 mod picture_arguments;

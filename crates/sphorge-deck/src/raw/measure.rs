@@ -45,7 +45,7 @@ tables! {
         body: Word, example "plate";
         /// What of them.
         of: Option<Choice<FragmentWord>>, example "second", default "number";
-        /// Particles hang together up to this distance, in spacings of the body.
+        /// Particles hang together up to this distance, in spacings of the body; that before the deformation, but in the updated Lagrangian methods.
         link: Option<Given<Number>>, example 1.5, default 1.5;
         /// Particles that a fragment has at least.
         least: Option<Count>, example 20, default 10;

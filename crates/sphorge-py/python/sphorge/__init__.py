@@ -20,7 +20,7 @@ from ._deck import Catalogue, Deck, decks
 from ._errors import DeckError, FolderError, InternalError, Problem, RunFailed, SphorgeError, SphorgeWarning
 from ._particles import particles
 from ._picture import Picture
-from ._run import Frame, Frames, History, Run
+from ._run import Fragments, Frame, Frames, History, Run
 from ._simulation import STOP, Simulation, State, fields
 from ._studies import Convergence, MeasureConvergence, Study, convergence, sweep
 
@@ -34,6 +34,7 @@ __all__ = [
     "DeckError",
     "Experiment",
     "FolderError",
+    "Fragments",
     "Frame",
     "Frames",
     "GaussNewton",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import operator
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -106,12 +107,26 @@ class Frame(Mapping[str, "Array"]):
         """A `Picture` of a field: options are those of ``sphorge plot``, such as ``section=True`` or ``view="xz"``."""
         from ._picture import FIELDS
 
-        run = self.path.parent.parent
         name = field or next((name for name in FIELDS if name in self._fields), None) or next(iter(self._fields))
+        run, number = self._of_run("that can be drawn")
+        return _draw([run], {"field": name, "frames": number, **options})
+
+    def fragments(self, bodies: str | Sequence[str] | None = None, link: float = 1.5, least: int = 10) -> Fragments:
+        """What hangs together of the particles of all bodies, or of some, that have some integrity, up to ``link`` spacings of their body.
+
+        >>> fragments = run.frames[-1].fragments("plate", least=20)
+        >>> fragments["mass"][:2], fragments["velocity"][0], fragments.loose["plate"]
+        """
+        names = [bodies] if isinstance(bodies, str) else list(bodies or [])
+        run, number = self._of_run("whose fragments can be found")
+        return Fragments(json.loads(_sphorge.fragments(run, number, names, float(link), operator.index(least))))
+
+    def _of_run(self, what: str) -> tuple[Path, int]:
+        run = self.path.parent.parent
         listed = [os.path.basename(path) for _, path in _sphorge.frames(run)]
         if self.path.name not in listed:
-            raise SphorgeError(f"{self.path} is no frame of a run that can be drawn", hint="the list of the frames of a run under way is written now and then: wait for it")
-        return _draw([run], {"field": name, "frames": listed.index(self.path.name), **options})
+            raise SphorgeError(f"{self.path} is no frame of a run {what}", hint="the list of the frames of a run under way is written now and then: wait for it")
+        return run, listed.index(self.path.name)
 
     def _repr_png_(self) -> bytes | None:
         try:
@@ -122,6 +137,60 @@ class Frame(Mapping[str, "Array"]):
 
     def __repr__(self) -> str:
         return f"<sphorge.Frame at {self.time:g} s, {self.count} particles>"
+
+
+class Fragments(Mapping[str, "Array"]):
+    """Fragments in a frame, heaviest first: ``body``, ``particles``, ``mass``, ``position``, ``velocity``, ``spin`` and ``size``, each an array with a row
+    for each fragment, in SI, with ``units``. ``loose`` is the mass of each body that is part of none, kg.
+    """
+
+    def __init__(self, table: dict[str, Any]) -> None:
+        import numpy as np
+
+        #: Time of the frame, s.
+        self.time: float = table["time"]
+        self.loose: dict[str, float] = {of["body"]: of["mass"] for of in table["loose"]}
+        mass = {1: "kg/m^2", 2: "kg/m"}.get(table["dimensions"], "kg")
+        self.units: dict[str, str] = {"body": "", "particles": "", "mass": mass, "position": "m", "velocity": "m/s", "spin": "rad/s", "size": "m"}
+        rows = table["fragments"]
+        shapes = {"body": (str, ()), "particles": (np.int64, ()), "mass": (np.float64, ())}
+        self._columns: dict[str, Array] = {}
+        for name in self.units:
+            kind, width = shapes.get(name, (np.float64, (3,)))
+            self._columns[name] = np.array([row[name] for row in rows], dtype=kind).reshape(len(rows), *width)
+
+    def __getitem__(self, column: str) -> Array:
+        try:
+            return self._columns[column]
+        except KeyError:
+            raise KeyError(there_is_no("fragments have no", column, self._columns, "they have")) from None
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+    @property
+    def count(self) -> int:
+        """Number of fragments."""
+        return len(self._columns["mass"])
+
+    def to_pandas(self) -> Any:
+        """A ``pandas.DataFrame`` with a row for each fragment; ``attrs["units"]`` has the units."""
+        flat: dict[str, Any] = {}
+        units: dict[str, str] = {}
+        for name, values in self._columns.items():
+            ends = [""] if values.ndim == 1 else ["_1", "_2", "_3"] if name == "size" else ["_x", "_y", "_z"]
+            for k, end in enumerate(ends):
+                flat[name + end] = values if values.ndim == 1 else values[:, k]
+                units[name + end] = self.units[name]
+        frame = _needs("pandas").DataFrame(flat)
+        frame.attrs["units"] = units
+        return frame
+
+    def __repr__(self) -> str:
+        return f"<sphorge.Fragments at {self.time:g} s: {self.count}>"
 
 
 class Frames(Sequence[Frame]):

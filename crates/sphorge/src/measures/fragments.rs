@@ -1,10 +1,11 @@
 //! Fragments of a body.
 
-use super::remains::hanging_together;
 use crate::{
+    fragments::Cloud,
     model::{FragmentQuantity, Model},
     particles::Particles,
 };
+use sphorge_physics::tensor::Tensor;
 
 /// What hangs together of a body.
 #[derive(Debug)]
@@ -17,11 +18,24 @@ pub(super) struct Fragments {
 
 impl Fragments {
     /// Of a body: its particles with integrity, joined up to `link` of its spacings, at least `least` of them.
-    pub(super) fn of(model: &Model, particles: &Particles, body: usize, link: f64, least: u64) -> Self {
+    pub(super) fn of(
+        model: &Model,
+        particles: &Particles,
+        deformation: Option<&[Tensor<f64>]>,
+        body: usize,
+        link: f64,
+        least: u64,
+    ) -> Self {
         let is_of_body = |i: usize| particles.body[i] as usize == body;
         let integrity = particles.column("integrity");
         let is_part = |i: usize| is_of_body(i) && integrity.as_ref().is_none_or(|of| of.component(i, 0) > 0.0);
-        let joined = hanging_together(model, particles, link * model.bodies[body].spacing, is_part);
+        let cloud = Cloud {
+            dimensions: model.dimensions.count(),
+            position: &particles.position,
+            deformation,
+            link: link * model.bodies[body].spacing,
+        };
+        let joined = cloud.joined(is_part);
         let (mut mass, mut size) = (vec![0.0; particles.len()], vec![0u64; particles.len()]);
         for (i, root) in joined {
             mass[root] += particles.mass[i];

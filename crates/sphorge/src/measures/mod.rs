@@ -30,8 +30,8 @@
 //!   the undeformed back face: its length goes from that face to `max(x + s/2)` along the flight, its width is the reach `max(r +
 //!   s/2)` of one side plus that of the other, in space twice `max(r + s/2)`; where only one side has particles, the other is taken
 //!   to be alike. `leave-out` drops that share of the mass from the outer end before.
-//! - fragments: the particles of a body that have some integrity hang together up to `link` spacings; what hangs together and has at least
-//!   `least` particles is a fragment.
+//! - fragments: the particles of a body that have some integrity hang together up to `link` spacings, as they would be undeformed where the
+//!   deformation gradient is known; what hangs together and has at least `least` particles is a fragment.
 //!
 //! Fronts, periods, reversals and extremes over time know the rows of the history, nothing between: the history interval
 //! of the deck is their resolution.
@@ -48,8 +48,8 @@ use crate::{
         ParticleSource, Quantity, Reduction, RunFailure,
         persist::{Archive, ArchiveError, Persist, persist_column},
     },
-    model::{Extremum, Material, MeasureKind, Model, Perforation},
-    particles::Particles,
+    model::{Extremum, MeasureKind, Model, Perforation},
+    particles::{Column, DEFORMATION_GRADIENT, Particles, is_kept},
 };
 use fragments::Fragments;
 use front::FrontSpeed;
@@ -119,13 +119,16 @@ impl Measures {
     /// The engine is lost.
     pub fn sample(&mut self, model: &Model, time: f64, source: &dyn ParticleSource) -> Result<(), RunFailure> {
         let all = self.evaluators.iter().any(|evaluator| evaluator.kind.needs_positions());
-        let breaks = model.materials.iter().any(Material::breaks);
-        let fields: &[&str] = match breaks {
-            true => &["position", "mass", "body", "integrity"],
-            false => &["position", "mass", "body"],
+        let is_kept = |field: &str| is_kept(field, model.formulation, &model.materials);
+        let mut fields = vec!["position", "mass", "body"];
+        fields.extend(Some("integrity").filter(|field| is_kept(field)));
+        let positions = if all { source.with_fields(&fields)? } else { Particles::default() };
+        let of_fragments = self.evaluators.iter().any(|of| matches!(of.kind, MeasureKind::Fragments { .. }));
+        let deformation = match of_fragments && is_kept(DEFORMATION_GRADIENT) {
+            true => Some(source.read(DEFORMATION_GRADIENT)?),
+            false => None,
         };
-        let positions = if all { source.with_fields(fields)? } else { Particles::default() };
-        let mut shared = Shared::default();
+        let mut shared = Shared { deformation, ..Shared::default() };
         for (evaluator, value) in self.evaluators.iter_mut().zip(&mut self.values) {
             let now = evaluator.sample(model, time, source, &positions, &mut shared)?;
             *value = now.filter(|value| value.is_finite());
@@ -139,13 +142,16 @@ impl Measures {
     }
 }
 
-/// What several measures of one sample share: what is left of plates, by plate, axis of the flight and link.
+/// What several measures of one sample share.
 #[derive(Debug, Default)]
-struct Shared {
+struct Shared<'a> {
+    /// What is left of plates, by plate, axis of the flight and link.
     remains: Vec<((usize, usize, u64), Vec<bool>)>,
+    /// Deformation gradients, where some measure needs them and the form knows them.
+    deformation: Option<Column<'a>>,
 }
 
-impl Shared {
+impl Shared<'_> {
     fn flight<'a>(
         &'a mut self,
         model: &'a Model,
@@ -225,7 +231,7 @@ impl Evaluator {
         time: f64,
         source: &dyn ParticleSource,
         positions: &Particles,
-        shared: &mut Shared,
+        shared: &mut Shared<'_>,
     ) -> Result<Option<f64>, RunFailure> {
         let found = self.reduction().map(|asked| source.reduce(&asked)).transpose()?.unwrap_or_default();
         let now = found.first().copied();
@@ -257,7 +263,11 @@ impl Evaluator {
                 shared.flight(model, positions, perforation).cloud(*extent, *leave_out).map(|span| span.length)
             }
             (MeasureKind::Fragments { body, quantity, link, least }, _) => {
-                Some(Fragments::of(model, positions, *body, *link, *least).quantity(*quantity))
+                let deformation = match &shared.deformation {
+                    Some(Column::Tensor(values)) => Some(&**values),
+                    _ => None,
+                };
+                Some(Fragments::of(model, positions, deformation, *body, *link, *least).quantity(*quantity))
             }
             _ => now,
         })

@@ -387,3 +387,21 @@ fn fragments_hang_together_over_particles_with_integrity() {
     assert_eq!((pieces(3.2, 1), pieces(1.05, 1000)), (1.0, 0.0));
     close(of("loose", 1.05, 1000), 152.0);
 }
+
+#[test]
+fn a_bar_that_is_drawn_out_is_one_fragment() {
+    // Three times as long: as distances go, each column is a fragment.
+    let mut particles = lattice(20, 4);
+    particles.body[76..].fill(1);
+    particles.position.iter_mut().for_each(|x| x[0] *= 3.0);
+    let pieces = |particles: &Particles| {
+        let setup = crate::deck::load_text("bars", BARS, &[("measure.0.fragments.least".into(), "4".into())]).unwrap();
+        let mut measures = Measures::new(&setup.model);
+        measures.sample(&setup.model, 0.0, &(&setup.model, particles)).unwrap();
+        measures.values()[0].unwrap()
+    };
+    assert_eq!(pieces(&particles), 16.0);
+    let drawn_out = [[3.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    particles.deformation = vec![drawn_out; particles.len()];
+    assert_eq!(pieces(&particles), 1.0);
+}
