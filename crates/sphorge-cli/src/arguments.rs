@@ -67,6 +67,8 @@ pub(crate) enum Command {
     Sweep(sweep::SweepArguments),
     /// Run a deck at several particle spacings: order of convergence and limit of every measure
     Convergence(convergence::ConvergenceArguments),
+    /// Run a deck at several impact speeds: the speed at which a projectile gets through, and how fast it then leaves
+    BallisticLimit(Box<ballistic_limit::BallisticLimitArguments>),
     /// Compare runs side by side: status, measures, cost, conservation
     Compare(compare::CompareArguments),
     /// Run the validation cases and compare the results with published and exact ones
@@ -99,6 +101,7 @@ impl Command {
             Self::Fragments(arguments) => fragments::execute(arguments),
             Self::Sweep(arguments) => sweep::execute(arguments, program),
             Self::Convergence(arguments) => convergence::execute(arguments, program),
+            Self::BallisticLimit(arguments) => ballistic_limit::execute(*arguments, program),
             Self::Compare(arguments) => compare::execute(arguments),
             Self::Validate(arguments) => validate::execute(arguments),
             Self::Devices(arguments) => devices::execute(arguments),

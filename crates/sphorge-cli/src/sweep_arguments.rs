@@ -50,22 +50,94 @@ pub(crate) fn failure(error: SweepError) -> Failure {
 impl SweepRunArguments {
     /// Makes the runs and returns the table of all, or how the command ends without.
     pub(crate) fn execute(&self, sweep: &Sweep, program: &[OsString]) -> Result<(SweepTable, bool), Ending> {
-        let count = sweep.runs.len();
-        let due = sweep.runs.iter().filter(|run| run.planned != Planned::Nothing).count();
         if self.dry_run {
             return Err(self.list(sweep));
         }
+        let maker = self.maker(program)?;
+        let table = maker.make(sweep)?;
+        self.write_parquet(&table)?;
+        Ok((table, maker.is_stopped()))
+    }
+
+    /// What makes runs, of one sweep or of several that follow each other.
+    pub(crate) fn maker<'a>(&'a self, program: &'a [OsString]) -> Result<Maker<'a>, Ending> {
+        let is_quiet = self.quiet;
+        let asked = move || {
+            if !is_quiet {
+                terminal::note("stopping after these steps (a second signal quits at once)");
+            }
+        };
+        let stop = StopFlag::new(Arc::new(AtomicBool::new(false)), asked)
+            .into_diagnostic()
+            .wrap_err("cannot catch Ctrl-C")
+            .map_err(|error| Err(Failure::Failed(error)))?;
+        Ok(Maker { arguments: self, program, stop })
+    }
+
+    /// Writes the table to a Parquet file, if one was asked for.
+    pub(crate) fn write_parquet(&self, table: &SweepTable) -> Result<(), Ending> {
+        match &self.parquet {
+            Some(path) => table.write_parquet(path).map_err(|error| Err(Failure::Failed(error.into()))),
+            None => Ok(()),
+        }
+    }
+
+    /// Runs at once.
+    pub(crate) fn jobs(&self) -> usize {
+        self.jobs
+    }
+
+    /// Whether no run is to be made.
+    pub(crate) fn is_dry(&self) -> bool {
+        self.dry_run
+    }
+
+    /// Lists what would be run.
+    pub(crate) fn list(&self, sweep: &Sweep) -> Ending {
+        let what = |planned| match planned {
+            Planned::New => "run",
+            Planned::Again => "run again",
+            Planned::Resume => "resume",
+            Planned::Nothing => "there",
+        };
+        let lines = sweep
+            .runs
+            .iter()
+            .map(|run| format!("{:<9}  {}\n", what(run.planned), terminal::path(&sweep.directory(run))));
+        terminal::print(&lines.collect::<String>())?;
+        Ok(Outcome::Done)
+    }
+}
+
+/// Makes runs until it is stopped.
+pub(crate) struct Maker<'a> {
+    arguments: &'a SweepRunArguments,
+    program: &'a [OsString],
+    stop: StopFlag,
+}
+
+impl Maker<'_> {
+    /// Whether somebody has asked to stop.
+    pub(crate) fn is_stopped(&self) -> bool {
+        self.stop.flag().load(std::sync::atomic::Ordering::Relaxed)
+    }
+
+    /// Makes the runs of a sweep that are not there, and returns the table of all.
+    pub(crate) fn make(&self, sweep: &Sweep) -> Result<SweepTable, Ending> {
+        let of = self.arguments;
+        let count = sweep.runs.len();
+        let due = sweep.runs.iter().filter(|run| run.planned != Planned::Nothing).count();
         let processors = std::thread::available_parallelism().map_or(1, |n| n.get());
-        let at_once = self.jobs.min(due.max(1));
+        let at_once = of.jobs.min(due.max(1));
         let process = Process {
-            program: program.to_vec(),
+            program: self.program.to_vec(),
             at_once,
-            threads: self.threads.unwrap_or((processors / at_once).max(1)),
-            engine: self.engine.unusual().map(str::to_owned),
-            device: self.engine.device().map(str::to_owned),
+            threads: of.threads.unwrap_or((processors / at_once).max(1)),
+            engine: of.engine.unusual().map(str::to_owned),
+            device: of.engine.device().map(str::to_owned),
         };
         let say = |text: &str| {
-            if !self.quiet {
+            if !of.quiet {
                 terminal::note(text);
             }
         };
@@ -79,16 +151,6 @@ impl SweepRunArguments {
             let others = if runs > 1 { format!(" and {} more", runs - 1) } else { String::new() };
             say(&format!("note: {}{others}: {note}", sweep.runs[first].name));
         }
-        let is_quiet = self.quiet;
-        let asked = move || {
-            if !is_quiet {
-                terminal::note("stopping after these steps (a second signal quits at once)");
-            }
-        };
-        let stop = StopFlag::new(Arc::new(AtomicBool::new(false)), asked)
-            .into_diagnostic()
-            .wrap_err("cannot catch Ctrl-C")
-            .map_err(|error| Err(Failure::Failed(error)))?;
         let tell = |event: SweepEvent<'_>| match event {
             SweepEvent::Begins(k) => {
                 let what = if sweep.runs[k].planned == Planned::Resume { "goes on" } else { "begins" };
@@ -103,34 +165,13 @@ impl SweepRunArguments {
                 }
             }
         };
-        let table = sweep::execute(sweep, &process, stop.flag(), &tell);
-        stop.finish();
-        let is_stopped = stop.flag().load(std::sync::atomic::Ordering::Relaxed);
-        let table = table.map_err(|error| match error {
+        let table = sweep::execute(sweep, &process, self.stop.flag(), &tell);
+        self.stop.finish();
+        table.map_err(|error| match error {
             // The folder is another one's.
             SweepError::Locked { .. } | SweepError::Another { .. } => Err(failure(error)),
             error => Err(Failure::Failed(error.into())),
-        })?;
-        if let Some(path) = &self.parquet {
-            table.write_parquet(path).map_err(|error| Err(Failure::Failed(error.into())))?;
-        }
-        Ok((table, is_stopped))
-    }
-
-    /// Lists what would be run.
-    fn list(&self, sweep: &Sweep) -> Ending {
-        let what = |planned| match planned {
-            Planned::New => "run",
-            Planned::Again => "run again",
-            Planned::Resume => "resume",
-            Planned::Nothing => "there",
-        };
-        let lines = sweep
-            .runs
-            .iter()
-            .map(|run| format!("{:<9}  {}\n", what(run.planned), terminal::path(&sweep.directory(run))));
-        terminal::print(&lines.collect::<String>())?;
-        Ok(Outcome::Done)
+        })
     }
 }
 

@@ -34,6 +34,7 @@ fn _sphorge(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(files::fragments, module)?)?;
     module.add_function(wrap_pyfunction!(simulation::fields, module)?)?;
     module.add_function(wrap_pyfunction!(studies::sweep, module)?)?;
+    module.add_function(wrap_pyfunction!(studies::ballistic_limit, module)?)?;
     module.add_function(wrap_pyfunction!(studies::convergence, module)?)?;
     module.add_function(wrap_pyfunction!(studies::points, module)?)?;
     module.add_function(wrap_pyfunction!(command::draw, module)?)?;

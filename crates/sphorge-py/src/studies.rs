@@ -7,7 +7,12 @@ use pyo3::{
 };
 use sphorge::{
     engine::EngineKind,
-    sweep::{Convergence, Planning, Process, Sweep, SweepError, SweepTable, Varied, execute, spaced},
+    plot::{Paper, PictureFormat},
+    sweep::{
+        Convergence, Planning, Process, Sweep, SweepError, SweepTable, Varied,
+        ballistic::{Asked, BallisticLimit, Flight, read_speed},
+        execute, spaced,
+    },
 };
 use sphorge_cli::engine_of;
 use std::{
@@ -40,10 +45,10 @@ impl Making {
     }
 
     /// Makes the runs; Ctrl-C lets those under way save their states.
-    fn make(self, py: Python<'_>, sweep: Sweep) -> PyResult<SweepTable> {
+    fn make(&self, py: Python<'_>, sweep: Sweep) -> PyResult<SweepTable> {
         let stop = Arc::new(AtomicBool::new(false));
         let flag = Arc::clone(&stop);
-        let process = self.process;
+        let process = self.process.clone();
         let made = guard::interruptible(py, &stop, move || execute(&sweep, &process, &flag, &|_| ()))?;
         made.map_err(|error| errors::sweep(py, &error))
     }
@@ -200,5 +205,91 @@ pub(crate) fn convergence<'py>(
     }
     dict.set_item("convergence", measures)?;
     dict.set_item("text", format!("{table}\n{convergence}"))?;
+    Ok(dict)
+}
+
+/// Runs at several impact speeds until the ballistic limit is bracketed; returns the table, slow to fast, bracket and curve.
+#[pyfunction]
+#[pyo3(signature = (deck, body, residual, bounds, within, at, runs, exponent, through, folder, program, *, jobs, threads, engine, device, overwrite))]
+pub(crate) fn ballistic_limit<'py>(
+    py: Python<'py>,
+    deck: PyRef<'py, Deck>,
+    body: Vec<String>,
+    residual: Option<String>,
+    bounds: (Option<String>, Option<String>),
+    within: Option<String>,
+    at: Vec<String>,
+    runs: usize,
+    exponent: Option<f64>,
+    through: Option<String>,
+    folder: PathBuf,
+    program: Vec<OsString>,
+    jobs: usize,
+    threads: Option<usize>,
+    engine: &str,
+    device: Option<String>,
+    overwrite: bool,
+) -> PyResult<Bound<'py, PyDict>> {
+    let speed = |text: &Option<String>, what: &str| {
+        text.as_deref().map(|text| read_speed(text, what)).transpose().map_err(|error| errors::sweep(py, &error))
+    };
+    let making = Making::new(py, program, jobs, threads, engine, device)?;
+    let (from, to) = (speed(&bounds.0, "--from")?, speed(&bounds.1, "--to")?);
+    let (within, through) = (speed(&within, "--within")?, speed(&through, "--through")?);
+    let at = at.into_iter().map(|text| speed(&Some(text), "--at")).collect::<PyResult<Vec<_>>>()?;
+    let at = at.into_iter().flatten().collect();
+    let asked = Asked { from, to, at, within, runs, at_once: jobs.max(1), exponent }.checked();
+    let asked = asked.map_err(|error| errors::sweep(py, &error))?;
+    let own = deck.clone();
+    let flight = guard::in_pool(py, move || {
+        let setup = own.load_with(&[])?;
+        Ok(Flight::of(&setup, &body, residual.as_deref()))
+    })?;
+    let flight = flight.map_err(|report| errors::deck(py, &report))?.map_err(|error| errors::sweep(py, &error))?;
+    let flight = Flight { through, ..flight };
+    let deck = without(&deck, flight.keys().iter().map(String::as_str), py)?;
+    let search = asked.search(&flight);
+    let mut made = 0;
+    let mut notes: Vec<Vec<String>> = Vec::new();
+    let searched = search.execute(|speeds| {
+        let (deck, flight_of, wanted) = (deck.clone(), flight.clone(), speeds.to_vec());
+        let mut sweep = planned(py, folder.clone(), Arc::clone(&making.kind), overwrite, move |planning| {
+            flight_of.sweep(|set| deck.load_with(set), &wanted, planning)
+        })?;
+        sweep.keep_first(made);
+        made = speeds.len();
+        notes = notes_of(&sweep);
+        let table = making.make(py, sweep)?;
+        let shots = flight.shots(&table, &folder, speeds);
+        PyResult::Ok((table, shots))
+    })?;
+    let Some(searched) = searched else { return Err(errors::internal(py, "a search without a run")) };
+    let limit = BallisticLimit::of(&search, &flight, &searched);
+    limit.write(&folder).map_err(|error| errors::output(py, &error))?;
+    let notes = searched.in_order().into_iter().map(|k| notes.get(k).cloned().unwrap_or_default()).collect();
+    let mut table = searched.table.clone();
+    table.rows = limit.shots.iter().map(|(_, row)| row.clone()).collect();
+    let dict = told(py, &table, notes)?;
+    let of = PyDict::new(py);
+    let number = |x: Option<f64>| x.unwrap_or(f64::NAN);
+    of.set_item("impact_velocity", limit.shots.iter().map(|(shot, _)| shot.speed).collect::<Vec<_>>())?;
+    of.set_item("residual_velocity", limit.shots.iter().map(|(shot, _)| number(shot.residual)).collect::<Vec<_>>())?;
+    of.set_item("outcome", limit.shots.iter().map(|(shot, _)| shot.outcome.name()).collect::<Vec<_>>())?;
+    of.set_item("bracket", limit.bracket.map(|bracket| (bracket.stopped, bracket.through)))?;
+    let curve = limit.curve.as_ref().ok().map(|curve| (curve.a, curve.p, curve.limit, curve.off_by, curve.runs));
+    of.set_item("curve", curve)?;
+    of.set_item("why_no_curve", limit.curve.as_ref().err())?;
+    of.set_item("is_found", limit.is_found())?;
+    of.set_item("remarks", limit.notes().iter().map(|note| of_python(note)).collect::<Vec<_>>())?;
+    for (name, format) in [("png", PictureFormat::Png), ("svg", PictureFormat::Svg)] {
+        let to = folder.join("plots").join(format!("ballistic-limit.{}", format.extension()));
+        let title = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let is_drawn =
+            limit.draw(&title, Paper::default(), &to).map_err(|error| errors::internal(py, &error.to_string()))?;
+        let data = is_drawn.then(|| std::fs::read(&to)).transpose()?;
+        of.set_item(name, data.as_deref().map(|data| PyBytes::new(py, data)))?;
+    }
+    dict.set_item("ballistic", of)?;
+    dict.set_item("text", of_python(&limit.to_string()))?;
     Ok(dict)
 }

@@ -68,7 +68,8 @@ fn argument(code: &str) -> Option<String> {
     if ELSEWHERE.contains(&name) {
         return Some(format!("sphorge ... {code}"));
     }
-    let keyword = name.replace('-', "_");
+    // Names that are words of the language.
+    let keyword = if matches!(name, "from" | "to") { "between".to_owned() } else { name.replace('-', "_") };
     Some(match value {
         None if FLAGS.contains(&name) => format!("{keyword}=True"),
         None => keyword,

@@ -1,5 +1,6 @@
 //! One file per command: its arguments, the call into the library, what is printed.
 
+pub(crate) mod ballistic_limit;
 pub(crate) mod bench;
 pub(crate) mod check;
 pub(crate) mod compare;

@@ -4,7 +4,7 @@ use crate::{commands::plot_quantities::read_quantities, failure::Failure};
 use clap::ValueEnum;
 use sphorge::{
     particles::find_field,
-    plot::{ColorMap, Mirror, Section},
+    plot::{ColorMap, Mirror, PictureFormat, Section},
 };
 
 /// Colours.
@@ -24,6 +24,24 @@ impl ColorArgument {
             Self::Viridis => ColorMap::Viridis,
             Self::Inferno => ColorMap::Inferno,
             Self::Diverging => ColorMap::Diverging,
+        }
+    }
+}
+
+/// Forms of pictures.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum FormatArgument {
+    /// Pixel image
+    Png,
+    /// Vector graphics: lines and text scale
+    Svg,
+}
+
+impl FormatArgument {
+    pub(crate) fn format(self) -> PictureFormat {
+        match self {
+            Self::Png => PictureFormat::Png,
+            Self::Svg => PictureFormat::Svg,
         }
     }
 }

@@ -1,15 +1,16 @@
 //! `sphorge sweep`: a deck with every combination of some values of some keys.
 
 use crate::{
+    commands::picture_arguments::FormatArgument,
     deck_arguments::DeckArguments,
     failure::{Ending, Failure},
     sweep_arguments::{SweepRunArguments, conclude, failure},
     terminal,
 };
-use clap::{Args, ValueEnum};
+use clap::Args;
 use sphorge::{
     deck::{did_you_mean, names_like},
-    plot::{CurvesPicture, Paper, PictureFormat},
+    plot::{CurvesPicture, Paper},
     sweep::{Planning, Sweep, SweepColumn, SweepError, SweepTable, Varied},
 };
 use std::{
@@ -55,15 +56,6 @@ pub(crate) struct SweepArguments {
     /// Picture format
     #[arg(long, value_name = "FORMAT", default_value = "png", requires = "plots")]
     format: FormatArgument,
-}
-
-/// Forms of pictures.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum FormatArgument {
-    /// Pixel image
-    Png,
-    /// Vector graphics: lines and text scale
-    Svg,
 }
 
 pub(crate) fn execute(arguments: SweepArguments, program: &[OsString]) -> Ending {
@@ -143,14 +135,11 @@ fn draw(
         along: named(key),
         quantity: named(column),
         curves,
+        points: Vec::new(),
         paper: Paper::default(),
     };
-    let extension = match format {
-        FormatArgument::Png => PictureFormat::Png,
-        FormatArgument::Svg => PictureFormat::Svg,
-    };
     let letters = |name: &str| name.replace(['/', '\\'], "_");
-    let name = format!("{}-over-{}.{}", letters(measure), letters(&key.name), extension.extension());
+    let name = format!("{}-over-{}.{}", letters(measure), letters(&key.name), format.format().extension());
     let to = folder.join("plots").join(name);
     picture.save(&to).map_err(|error| Failure::Failed(error.into()))?;
     terminal::print(&format!("{}\n", terminal::path(&to)))

@@ -22,12 +22,14 @@ from ._particles import particles
 from ._picture import Picture
 from ._run import Fragments, Frame, Frames, History, Run
 from ._simulation import STOP, Simulation, State, fields
-from ._studies import Convergence, MeasureConvergence, Study, convergence, sweep
+from ._studies import BallisticLimit, Bracket, Convergence, MeasureConvergence, RechtIpson, Study, ballistic_limit, convergence, sweep
 
 __version__: str = _sphorge.__version__
 
 __all__ = [
     "STOP",
+    "BallisticLimit",
+    "Bracket",
     "Calibration",
     "Convergence",
     "Deck",
@@ -44,6 +46,7 @@ __all__ = [
     "Optuna",
     "Picture",
     "Problem",
+    "RechtIpson",
     "Run",
     "RunFailed",
     "Simulation",
@@ -51,6 +54,7 @@ __all__ = [
     "SphorgeWarning",
     "State",
     "Study",
+    "ballistic_limit",
     "calibrate",
     "convergence",
     "decks",

@@ -112,6 +112,25 @@ def sweep(
     device: str | None,
     overwrite: bool,
 ) -> dict[str, Any]: ...
+def ballistic_limit(
+    deck: Deck,
+    body: Sequence[str],
+    residual: str | None,
+    bounds: tuple[str | None, str | None],
+    within: str | None,
+    at: Sequence[str],
+    runs: int,
+    exponent: float | None,
+    through: str | None,
+    folder: _Path,
+    program: Sequence[str],
+    *,
+    jobs: int,
+    threads: int | None,
+    engine: str,
+    device: str | None,
+    overwrite: bool,
+) -> dict[str, Any]: ...
 def convergence(
     deck: Deck,
     spacings: Sequence[str],

@@ -123,6 +123,71 @@ class Convergence(Study):
             raise KeyError(there_is_no("there is no measure", measure, self._measures)) from None
 
 
+class Bracket(NamedTuple):
+    """The fastest impact velocity that was stopped and the slowest that got through, m/s."""
+
+    stopped: float
+    through: float
+
+
+class RechtIpson(NamedTuple):
+    """The curve ``v_r = a (v_i^p - limit^p)^(1/p)`` through what got through: ``off_by`` is the root of the mean square of the ``runs``, m/s."""
+
+    a: float
+    p: float
+    limit: float
+    off_by: float
+    runs: int
+
+    def residual(self, speed: float) -> float:
+        """Residual velocity at an impact velocity, m/s."""
+        if speed <= self.limit:
+            return 0.0
+        return self.a * speed * (1.0 - (self.limit / speed) ** self.p) ** (1.0 / self.p)
+
+
+class BallisticLimit(Study):
+    """Runs at several impact speeds, slow to fast; ``table`` has ``impact_velocity``, ``residual_velocity`` and ``outcome``, too.
+
+    An outcome is ``"through"``, ``"stopped"``, ``"open"`` of a run that does not tell, or ``"failed"``.
+    """
+
+    def __init__(self, folder: Path, told: dict[str, Any]) -> None:
+        import numpy as np
+
+        super().__init__(folder, told)
+        of = told["ballistic"]
+        first: dict[str, Array | list[str]] = {name: np.array(of[name]) for name in ("impact_velocity", "residual_velocity")}
+        self.table = {**first, "outcome": of["outcome"], **self.table}
+        self.units |= {"impact_velocity": "m/s", "residual_velocity": "m/s"}
+        #: The fastest that was stopped and the slowest that got through, or None.
+        self.bracket: Bracket | None = of["bracket"] and Bracket(*of["bracket"])
+        #: The curve, or None: ``why_no_curve`` says why.
+        self.curve: RechtIpson | None = of["curve"] and RechtIpson(*of["curve"])
+        self.why_no_curve: str | None = of["why_no_curve"]
+        #: Whether the bracket is as narrow as was asked for.
+        self.is_found: bool = of["is_found"]
+        #: What there is to say of the search and of single runs.
+        self.remarks: list[str] = of["remarks"]
+        self._pictures: dict[str, bytes | None] = {name: of[name] for name in ("png", "svg")}
+
+    @property
+    def limit(self) -> float | None:
+        """Middle of the bracket, m/s."""
+        return None if self.bracket is None else 0.5 * (self.bracket.stopped + self.bracket.through)
+
+    def plot(self, format: str = "png") -> Any:
+        """A `Picture` of residual over impact velocity with the curve and the bracket."""
+        from ._picture import Picture
+
+        if format not in self._pictures:
+            raise ValueError(there_is_no("there is no format", format, self._pictures))
+        data = self._pictures[format]
+        if data is None:
+            raise SphorgeError("no run has a residual velocity to draw")
+        return Picture(data, f".{format}")
+
+
 def _values(key: Any, values: Any) -> tuple[str, list[str]]:
     if not isinstance(key, str):
         raise TypeError(f"keys of a deck are texts, not {type(key).__name__}")
@@ -193,3 +258,71 @@ def convergence(
     making = _making(workers, threads)
     told = _sphorge.convergence(deck._deck, values, folder, _program(), **making, engine=engine, device=device, overwrite=overwrite)
     return Convergence(folder, told)
+
+
+def ballistic_limit(
+    deck: Deck | str | os.PathLike[str] | Mapping[str, Any],
+    between: tuple[Any, Any] | None = None,
+    out: str | os.PathLike[str] | None = None,
+    *,
+    body: str | Iterable[str] = (),
+    residual: str | None = None,
+    within: Any = None,
+    at: Iterable[Any] = (),
+    runs: int = 20,
+    exponent: float | None = None,
+    through: Any = None,
+    workers: int = 1,
+    threads: int | None = None,
+    engine: str = "cpu",
+    device: str | None = None,
+    overwrite: bool = False,
+) -> BallisticLimit:
+    """Runs a deck at several impact speeds until the fastest that is stopped and the slowest that gets through are ``within`` of each other.
+
+    >>> limit = sphorge.ballistic_limit("perforation", ("150 m/s", "350 m/s"), within="5 m/s")
+    >>> limit.limit, limit.bracket, limit.curve
+    """
+    deck = _as_deck(deck)
+    folder = Path("out") / f"{deck.name}-ballistic-limit" if out is None else Path(out)
+    ends = (None, None) if between is None else between
+    if isinstance(ends, (str, bytes)) or not isinstance(ends, Iterable):
+        raise TypeError(f"between: two speeds are needed, not {type(ends).__name__}")
+    low, high, *more = [*islice(ends, 3), None, None]
+    if len(more) != 2:
+        raise ValueError("between: two speeds are needed, either of which can be None")
+    if isinstance(at, (str, bytes, Mapping)) or not isinstance(at, Iterable):
+        raise TypeError(f"at: a list of speeds is needed, not {type(at).__name__}")
+    bodies = [body] if isinstance(body, str) else list(body)
+    if not all(isinstance(name, str) for name in bodies):
+        raise TypeError("body: a name or a list of names is needed")
+    if residual is not None and not isinstance(residual, str):
+        raise TypeError(f"residual: the name of a measure is needed, not {type(residual).__name__}")
+    told = _sphorge.ballistic_limit(
+        deck._deck,
+        bodies,
+        residual,
+        (_speed(low, "between"), _speed(high, "between")),
+        _speed(within, "within"),
+        [text for speed in islice(at, 1001) if (text := _speed(speed, "at")) is not None],
+        whole(runs, "runs", 1000),
+        None if exponent is None else float(exponent),
+        _speed(through, "through"),
+        folder,
+        _program(),
+        **_making(workers, threads),
+        engine=engine,
+        device=device,
+        overwrite=overwrite,
+    )
+    return BallisticLimit(folder, told)
+
+
+def _speed(value: Any, name: str) -> str | None:
+    """A speed as text, in m/s where it is a number."""
+    if value is None or isinstance(value, str):
+        return value
+    try:
+        return repr(float(value))
+    except (TypeError, ValueError):
+        raise TypeError(f"{name}: a speed is a number or a text such as \"150 m/s\", not {type(value).__name__}") from None

@@ -17,6 +17,8 @@ pub struct CurvesPicture {
     pub quantity: (String, String),
     /// Name and points, SI, of each curve.
     pub curves: Vec<(String, Vec<(f64, f64)>)>,
+    /// The same of what is drawn as hollow squares at the points.
+    pub points: Vec<(String, Vec<(f64, f64)>)>,
     /// Size and fineness.
     pub paper: Paper,
 }
@@ -27,16 +29,18 @@ impl CurvesPicture {
     /// # Errors
     /// [`PlotError::Empty`] if there is no point, otherwise as [`super::plot_history`].
     pub fn save(&self, to: &Path) -> Result<(), PlotError> {
-        let curve = |(name, points): &(String, Vec<(f64, f64)>)| Curve {
-            name: name.clone(),
-            points: points.clone(),
-            marked: false,
+        let curve = |marked: bool| {
+            move |(name, points): &(String, Vec<(f64, f64)>)| Curve {
+                name: name.clone(),
+                points: points.clone(),
+                marked,
+            }
         };
         let chart = Chart {
             along: self.along.clone(),
             quantity: self.quantity.0.clone(),
             unit: self.quantity.1.clone(),
-            curves: self.curves.iter().map(curve).collect(),
+            curves: self.curves.iter().map(curve(false)).chain(self.points.iter().map(curve(true))).collect(),
             limits: None,
             walls: Vec::new(),
         };
@@ -59,6 +63,7 @@ mod tests {
             along: ("spacing".into(), "m".into()),
             quantity: ("height".into(), "m".into()),
             curves: vec![("search = skin".into(), points.to_vec())],
+            points: Vec::new(),
             paper: Paper::default(),
         };
         let to = folder.path().join("new/height.svg");

@@ -11,6 +11,7 @@
 //! | `NAME/` | the folder of that run |
 //! | `.sphorge-lock` | the process that makes the runs: another study in the folder is refused |
 
+pub mod ballistic;
 mod convergence;
 mod execute;
 mod name;

@@ -264,6 +264,11 @@ impl Sweep {
         notes
     }
 
+    /// Leaves the first of the runs as they are, though all are to be made again: the same study has made them.
+    pub fn keep_first(&mut self, count: usize) {
+        self.runs.iter_mut().take(count).for_each(|run| run.planned = Planned::Nothing);
+    }
+
     /// The folder of a run.
     pub fn directory(&self, run: &SweepRun) -> PathBuf {
         self.folder.join(&run.name)
