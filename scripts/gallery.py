@@ -32,6 +32,7 @@ ABOUT = {
     "elastic-bar": ("stress.zz", []),
     "heat-slab": ("temperature", []),
     "oscillating-plate": ("stress.xx", []),
+    "perforation": ("damage", ["--view", "xz", "--mirror", "--section"]),
     "plate-impact": ("pressure", []),
     "elastic-plastic-piston": ("pressure", []),
     "rotating-rod": ("velocity", []),

@@ -33,7 +33,7 @@ layout() {
         "$usr/share/doc/sphorge"
     install -m 755 "$program" "$usr/bin/sphorge"
     "$program" man >"$usr/share/man/man1/sphorge.1"
-    for command in run resume check decks materials plot sweep convergence compare validate; do
+    for command in run resume check decks materials plot sweep convergence ballistic-limit compare validate; do
         "$program" man "$command" >"$usr/share/man/man1/sphorge-$command.1"
     done
     gzip -9nf "$usr"/share/man/man1/*.1

@@ -82,6 +82,7 @@ DECKS = {
         "region.middle.shape.box={ min = [-0.015, -0.015, 0.24], max = [0.015, 0.015, 0.26] }"),
     "bullet": (0.1e-3, (7, 3, -8), "particles.spacing=15e-3", "body.bullet.spacing=12e-3",
         "body.plate.shape.box={ min = [-0.6, -0.03, -0.03], max = [0.6, 0.03, 0] }"),
+    "perforation": (6e-6, (1.1, 0.7, -3), "particles.spacing=3e-3"),
     "plate-impact": (7.5e-6, (0.3,)),
     "elastic-plastic-piston": (8e-6, (6.1,), "particles.spacing=0.2e-3"),
     "homogeneous": (0.15e-3, (110, 70, 30), "particles.spacing=0.125"),

@@ -31,6 +31,7 @@ shipped! {
     "disc-on-plate",
     "tensile",
     "bullet",
+    "perforation",
     "plate-impact",
     "elastic-plastic-piston",
     "homogeneous",

@@ -165,3 +165,75 @@ def test_ctrl_c_stops_the_runs_of_a_sweep_and_the_next_one_goes_on(here, long_de
     _, told = child.communicate(timeout=60)
     assert "KeyboardInterrupt" in told and sp.Run("s/particles.spacing=0.5mm").status == "stopped"
     assert not (here / "s/particles.spacing=0.51mm").exists()
+
+
+#: A punch through a strip that breaks early, held at its ends: 228 particles, some 1500 steps.
+STRIP = {
+    "title": "A punch through a strip",
+    "dimensions": "plane-strain",
+    "particles": {"spacing": "1 mm"},
+    "time": {"end": "80 us"},
+    "output": {"frames": 1, "history-interval": "1 us"},
+    "material": {"brittle": {"base": "weldox-460-e", "damage": {"failure-strain": {"strain": 0.1}}}},
+    "body": [
+        {"name": "strip", "material": "brittle", "shape": {"box": {"min": ["-24 mm", "-4 mm"], "max": ["24 mm", "0 mm"]}}},
+        {
+            "name": "punch",
+            "material": "armco-iron",
+            "shape": {"box": {"min": ["-3 mm", "0 mm"], "max": ["3 mm", "6 mm"]}},
+            "velocity": ["0 m/s", "-150 m/s"],
+        },
+    ],
+    "region": [
+        {"name": "left", "shape": {"box": {"min": ["-25 mm", "-5 mm"], "max": ["-20 mm", "0 mm"]}}},
+        {"name": "right", "shape": {"box": {"min": ["20 mm", "-5 mm"], "max": ["25 mm", "0 mm"]}}},
+    ],
+    "motion": [{"region": "left", "velocity": [0.0, 0.0]}, {"region": "right", "velocity": [0.0, 0.0]}],
+    "measure": [{"name": "residual", "mean": {"body": "punch", "field": "velocity", "component": "y"}}],
+}
+
+
+def test_a_ballistic_limit_is_bracketed(here):
+    strip = sp.Deck(STRIP, name="strip")
+    search = {"within": 100.0, "at": [300.0, "350 m/s"], "exponent": 2, "out": "b", "workers": 2}
+    found = sp.ballistic_limit(strip, ("100 m/s", 400.0), **search)
+    low, high = found.bracket
+    assert found.is_found and found.is_complete and found.limit == 0.5 * (low + high) and high - low <= 100.0
+    speeds = found.table["impact_velocity"]
+    assert list(speeds) == sorted(speeds) and {100.0, 300.0, 350.0, 400.0} <= set(speeds)
+    np.testing.assert_array_equal(found.table["body.punch.velocity.1"], -speeds)
+    np.testing.assert_array_equal(found.table["residual_velocity"], -found.table["residual"])
+    assert found.table["outcome"] == ["through" if speed >= high else "stopped" for speed in speeds]
+    curve = found.curve
+    assert low <= curve.limit <= high and curve.p == 2.0 and curve.runs == 3 and curve.residual(low) == 0.0
+    assert curve.residual(400.0) == pytest.approx(curve.a * (400.0**2 - curve.limit**2) ** 0.5)
+    assert found.plot().data.startswith(b"\x89PNG") and b"impact velocity" in found.plot("svg").data
+    assert "through" in repr(found) and (here / "b/ballistic-limit.csv").exists()
+    before = written(here / "b")
+    assert sp.ballistic_limit(strip, ("100 m/s", 400.0), **search).bracket == found.bracket and written(here / "b") == before
+    slow = sp.ballistic_limit(strip, (20.0, 40.0), out="slow")
+    assert not slow.is_found and slow.limit is None and slow.curve is None and "got through" in slow.why_no_curve
+    assert "`between`" in slow.remarks[0] and "--" not in repr(slow)
+
+
+def test_what_is_wrong_with_a_ballistic_limit_is_told_before_the_first_run(here, deck):
+    strip = sp.Deck(STRIP, name="strip")
+    for error, told, wrong in [
+        (sp.SphorgeError, "not above zero", {"between": (-3.0, None)}),
+        (sp.SphorgeError, "below", {"between": (300.0, 200.0)}),
+        (sp.SphorgeError, "a length", {"within": "3 mm"}),
+        (sp.SphorgeError, "no body `punsh`", {"body": "punsh"}),
+        (sp.SphorgeError, "has no velocity", {"body": ["strip"]}),
+        (sp.SphorgeError, "no measure `residaul`", {"residual": "residaul"}),
+        (sp.SphorgeError, "exponent", {"exponent": float("nan")}),
+        (TypeError, "two speeds", {"between": "100 m/s"}),
+        (ValueError, "two speeds", {"between": (1.0, 2.0, 3.0)}),
+        (TypeError, "a list of speeds", {"at": "100 m/s"}),
+        (TypeError, "a speed is a number", {"within": [3]}),
+        (ValueError, "runs", {"runs": 0}),
+    ]:
+        with pytest.raises(error, match=told):
+            sp.ballistic_limit(strip, out="b", **wrong)
+    with pytest.raises(sp.SphorgeError, match="no measure of the velocity along y"):
+        sp.ballistic_limit(deck, out="b")
+    assert os.listdir(here) == []

@@ -4,7 +4,7 @@ use super::{setup, try_run, try_run_on_ranks};
 use sphorge::engine::Cpu;
 
 /// Decks with what makes them small, and as large as seven ranks need.
-const COARSE: [(&str, &[(&str, &str)]); 22] = [
+const COARSE: [(&str, &[(&str, &str)]); 23] = [
     ("block", &[("particles.spacing", "\"4 mm\"")]),
     ("bullet", &[("particles.spacing", "\"24 mm\""), ("body.1.spacing", "\"12 mm\"")]),
     ("convecting-block", &[]),
@@ -18,6 +18,7 @@ const COARSE: [(&str, &[(&str, &str)]); 22] = [
     ("iron-plate", &[]),
     ("oscillating-plate", &[]),
     ("penetration", &[]),
+    ("perforation", &[("particles.spacing", "\"3 mm\"")]),
     ("plate-impact", &[("particles.spacing", "\"0.06 mm\"")]),
     ("pulled", &[]),
     ("rotating-rod", &[("particles.spacing", "\"1.25 mm\"")]),

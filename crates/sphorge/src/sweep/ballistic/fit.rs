@@ -143,11 +143,10 @@ mod tests {
         assert!(two.contains("3 free constants") && two.contains("hold p"), "{two}");
         let one = RechtIpson::fit(&through[..1], (150.0, 220.0), Some(2.0)).unwrap_err();
         assert!(one.contains("one run has"), "{one}");
-        // What is off a curve is told.
-        let mut off = points(0.8, 2.0, 200.0, &[220.0, 300.0, 350.0, 400.0]);
-        off[1].1 += 3.0;
-        let curve = RechtIpson::fit(&off, (150.0, 220.0), Some(2.0)).unwrap();
-        assert!(curve.off_by > 0.3 && curve.off_by < 3.0, "{curve:?}");
+        // What is off a curve is told: here one metre per second, up and down.
+        let off = through.iter().flat_map(|(speed, residual)| [(*speed, residual + 1.0), (*speed, residual - 1.0)]);
+        let curve = RechtIpson::fit(&off.collect::<Vec<_>>(), (150.0, 220.0), Some(2.0)).unwrap();
+        assert!((curve.off_by - 1.0).abs() < 1e-6 && curve.runs == 4, "{curve:?}");
     }
 
     #[test]

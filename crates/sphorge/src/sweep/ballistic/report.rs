@@ -266,20 +266,17 @@ impl fmt::Display for BallisticLimit {
             table.add_row([first, self.measures.iter().map(measure).collect(), vec![status, seconds]].concat());
         }
         let texts = [2, 3 + self.measures.len()];
-        for (k, column) in table.column_iter_mut().enumerate().filter(|(k, _)| !texts.contains(k)) {
-            let _ = k;
+        for (_, column) in table.column_iter_mut().enumerate().filter(|(k, _)| !texts.contains(k)) {
             column.set_cell_alignment(CellAlignment::Right);
         }
         writeln!(f, "{table}")?;
         match self.bracket {
             Some(bracket) => writeln!(
                 f,
-                "limit   {}, {} {} and {} {}",
+                "limit   {}, {} stopped and {} through",
                 metres_per_second(bracket.middle()),
                 metres_per_second(bracket.stopped),
-                "stopped",
-                metres_per_second(bracket.through),
-                "through"
+                metres_per_second(bracket.through)
             )?,
             None => writeln!(f, "limit   not bracketed")?,
         }
