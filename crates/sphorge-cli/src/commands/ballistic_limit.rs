@@ -26,7 +26,7 @@ use std::{
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  sphorge ballistic-limit perforation --from \"150 m/s\" --to \"350 m/s\"
+  sphorge ballistic-limit perforation --from \"200 m/s\" --to \"303.5 m/s\"
   sphorge ballistic-limit my.toml --body jacket,core --within \"5 m/s\" -j 2
   sphorge ballistic-limit my.toml --at \"250 m/s,300 m/s,400 m/s\" --exponent 2
 

@@ -280,7 +280,7 @@ def ballistic_limit(
 ) -> BallisticLimit:
     """Runs a deck at several impact speeds until the fastest that is stopped and the slowest that gets through are ``within`` of each other.
 
-    >>> limit = sphorge.ballistic_limit("perforation", ("150 m/s", "350 m/s"), within="5 m/s")
+    >>> limit = sphorge.ballistic_limit("perforation", ("200 m/s", "303.5 m/s"), within="20 m/s")
     >>> limit.limit, limit.bracket, limit.curve
     """
     deck = _as_deck(deck)
