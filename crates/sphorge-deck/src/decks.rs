@@ -43,6 +43,7 @@ shipped! {
     "heat-slab",
     "two-materials",
     "convecting-block",
+    "failure-strains",
     "block",
 }
 

@@ -7,6 +7,7 @@ mod convecting_block;
 mod disc_on_plate;
 mod elastic_bar;
 mod elastic_plastic_piston;
+mod failure_strains;
 mod heat_slab;
 mod heat_solutions;
 mod high_shear;
@@ -50,4 +51,5 @@ pub const CASES: &[Case] = &[
     heat_slab::CASE,
     two_materials::CASE,
     convecting_block::CASE,
+    failure_strains::CASE,
 ];
