@@ -44,6 +44,7 @@ shipped! {
     "two-materials",
     "convecting-block",
     "failure-strains",
+    "weldox-tension",
     "block",
 }
 

@@ -25,6 +25,7 @@ mod taylor_bars;
 mod taylor_plate;
 mod tensile;
 mod two_materials;
+mod weldox_tension;
 
 use super::Case;
 
@@ -52,4 +53,5 @@ pub const CASES: &[Case] = &[
     two_materials::CASE,
     convecting_block::CASE,
     failure_strains::CASE,
+    weldox_tension::CASE,
 ];
