@@ -45,9 +45,10 @@ def ramp(t):
     return 0.5 * min(t / 5e-3, 1.0)
 
 
-def solve(metal, half_length, radius, grip, pull, end, across, along, axisymmetric, courant=0.8, viscosity=(0.06, 1.2), rows=40):
+def solve(metal, half_length, radius, grip, pull, end, across, along, axisymmetric, courant=0.8, viscosity=(0.06, 1.2), rows=40, triaxial=False):
     """`radius` of z, `pull` (m/s) of t; the grip is what is farther than `grip` from the middle. Rows of the
-    history are `COLUMNS`; plastic strain is that of the innermost element, the edge that of the middle."""
+    history are `COLUMNS`; plastic strain is that of the innermost element, the edge that of the middle. `triaxial`: the innermost element's
+    mean stress over von Mises stress is another column."""
     rho0, G = metal["rho"], metal["G"]
     heights = np.linspace(0, half_length, along + 1)
     share = np.linspace(0, 1, across + 1)
@@ -71,6 +72,10 @@ def solve(metal, half_length, radius, grip, pull, end, across, along, axisymmetr
         if t >= wanted * end / rows - 1e-15:
             found.append([float(t), float((z.max() - half_length) / half_length), float(force), float(strain[:, 0].mean()),
                           float(r[middle_row[-1]]), float(strain.mean(0).max()), float(T.mean(0).max())])
+            if triaxial:
+                deviator = S[:, :, 0]
+                equivalent = np.sqrt(1.5 * ((deviator[:3] ** 2).sum(0) + 2 * deviator[3] ** 2)).mean()
+                found[-1].append(float(-last_pressure[0] / max(equivalent, 1.0)))
             wanted += 1
         if t >= end - 1e-15:
             break

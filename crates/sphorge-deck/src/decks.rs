@@ -45,6 +45,7 @@ shipped! {
     "convecting-block",
     "failure-strains",
     "weldox-tension",
+    "notched-bars",
     "block",
 }
 

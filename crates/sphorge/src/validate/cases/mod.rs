@@ -13,6 +13,7 @@ mod heat_solutions;
 mod high_shear;
 mod homogeneous;
 mod iron_plate;
+mod notched_bars;
 mod oscillating_plate;
 mod penetration;
 mod plate_impact;
@@ -54,4 +55,5 @@ pub const CASES: &[Case] = &[
     convecting_block::CASE,
     failure_strains::CASE,
     weldox_tension::CASE,
+    notched_bars::CASE,
 ];
