@@ -46,6 +46,7 @@ shipped! {
     "failure-strains",
     "weldox-tension",
     "notched-bars",
+    "spall",
     "block",
 }
 

@@ -20,6 +20,7 @@ mod plate_impact;
 mod pulled;
 mod rotating_rod;
 mod rubber_rings;
+mod spall;
 mod taylor_bar;
 mod taylor_bar_42crmo4;
 mod taylor_bars;
@@ -56,4 +57,5 @@ pub const CASES: &[Case] = &[
     failure_strains::CASE,
     weldox_tension::CASE,
     notched_bars::CASE,
+    spall::CASE,
 ];
