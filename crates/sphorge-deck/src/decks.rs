@@ -47,6 +47,7 @@ shipped! {
     "weldox-tension",
     "notched-bars",
     "spall",
+    "taylor-fracture",
     "block",
 }
 
@@ -76,7 +77,7 @@ mod tests {
     fn decks_are_found_by_slips_and_by_parts_of_their_names() {
         assert_eq!(like("blok"), ["block"]);
         assert_eq!(like("iron-plat"), ["iron-plate"]);
-        assert_eq!(like("tailor"), ["taylor-plate", "taylor-bar", "taylor-bar-42crmo4"]);
+        assert_eq!(like("tailor"), ["taylor-plate", "taylor-bar", "taylor-bar-42crmo4", "taylor-fracture"]);
         assert_eq!(like("my-case"), [""; 0]);
     }
     use std::{collections::BTreeSet, fs, path::Path};

@@ -24,6 +24,7 @@ mod spall;
 mod taylor_bar;
 mod taylor_bar_42crmo4;
 mod taylor_bars;
+mod taylor_fracture;
 mod taylor_plate;
 mod tensile;
 mod two_materials;
@@ -58,4 +59,5 @@ pub const CASES: &[Case] = &[
     weldox_tension::CASE,
     notched_bars::CASE,
     spall::CASE,
+    taylor_fracture::CASE,
 ];
