@@ -48,6 +48,7 @@ shipped! {
     "notched-bars",
     "spall",
     "taylor-fracture",
+    "crack-energy",
     "block",
 }
 

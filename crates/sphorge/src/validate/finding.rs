@@ -37,6 +37,8 @@ impl Unit {
     pub const MICROSECOND: Self = Self { symbol: "us", size: 1e-6 };
     /// Kilojoules per kilogram.
     pub const KILOJOULE_PER_KILOGRAM: Self = Self { symbol: "kJ/kg", size: 1e3 };
+    /// Kilojoules per square metre.
+    pub const KILOJOULE_PER_SQUARE_METRE: Self = Self { symbol: "kJ/m^2", size: 1e3 };
     /// Kilograms per cubic metre.
     pub const KILOGRAM_PER_CUBIC_METRE: Self = Self { symbol: "kg/m^3", size: 1.0 };
 

@@ -4,6 +4,7 @@ mod bar_elements;
 mod bar_outline;
 mod bullet;
 mod convecting_block;
+mod crack_energy;
 mod disc_on_plate;
 mod elastic_bar;
 mod elastic_plastic_piston;
@@ -60,4 +61,5 @@ pub const CASES: &[Case] = &[
     notched_bars::CASE,
     spall::CASE,
     taylor_fracture::CASE,
+    crack_energy::CASE,
 ];
