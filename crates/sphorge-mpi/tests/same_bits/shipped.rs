@@ -4,18 +4,21 @@ use super::{setup, try_run, try_run_on_ranks};
 use sphorge::engine::Cpu;
 
 /// Decks with what makes them small, and as large as seven ranks need.
-const COARSE: [(&str, &[(&str, &str)]); 23] = [
+const COARSE: [(&str, &[(&str, &str)]); 29] = [
     ("block", &[("particles.spacing", "\"4 mm\"")]),
     ("bullet", &[("particles.spacing", "\"24 mm\""), ("body.1.spacing", "\"12 mm\"")]),
     ("convecting-block", &[]),
     ("copper-bar", &[("particles.spacing", "\"0.635 mm\"")]),
+    ("crack-energy", &[]),
     ("disc-on-plate", &[]),
     ("elastic-bar", &[]),
     ("elastic-plastic-piston", &[("particles.spacing", "\"0.04 mm\"")]),
+    ("failure-strains", &[("particles.spacing", "\"0.25 mm\"")]),
     ("heat-slab", &[("particles.spacing", "\"0.08 mm\"")]),
     ("high-shear", &[]),
     ("homogeneous", &[]),
     ("iron-plate", &[]),
+    ("notched-bars", &[]),
     ("oscillating-plate", &[]),
     ("penetration", &[]),
     ("perforation", &[("particles.spacing", "\"3 mm\"")]),
@@ -23,11 +26,14 @@ const COARSE: [(&str, &[(&str, &str)]); 23] = [
     ("pulled", &[]),
     ("rotating-rod", &[("particles.spacing", "\"1.25 mm\"")]),
     ("rubber-rings", &[("particles.spacing", "\"1.5 mm\"")]),
+    ("spall", &[]),
     ("taylor-bar", &[("particles.spacing", "\"1 mm\"")]),
     ("taylor-bar-42crmo4", &[("particles.spacing", "\"0.6 mm\"")]),
+    ("taylor-fracture", &[]),
     ("taylor-plate", &[]),
     ("tensile", &[("particles.spacing", "\"12 mm\"")]),
     ("two-materials", &[("particles.spacing", "\"0.15 mm\"")]),
+    ("weldox-tension", &[]),
 ];
 
 /// Compares a deck on 1, 2, 3, 4 and 7 ranks of one and of two threads with one process.
