@@ -4,6 +4,7 @@ use super::columns::Group;
 use super::kernels::conduction::{BEYOND, EXTREMES};
 use super::kernels::reduce;
 use super::snapshot::read;
+use super::stages::Stage;
 use super::{GpuEngine, failure};
 use sphorge_engine::ranks::StepFault;
 use sphorge_engine::{LimitReason, RunFailure, TimeStepLimit, check_values};
@@ -18,7 +19,7 @@ impl GpuEngine {
     /// Sums the heat flow again if it is due.
     pub(super) fn sum_heat(&mut self) -> Result<(), RunFailure> {
         let Some(mut clock) = self.heat.filter(|clock| clock.is_due(&self.model)) else { return Ok(()) };
-        self.launch(&self.stages.sum_heat)?;
+        self.launch(Stage::SumHeat)?;
         clock.start();
         clock.limit = self.read_heat_extremes()?;
         self.heat = Some(clock);
@@ -29,7 +30,7 @@ impl GpuEngine {
     pub(super) fn flow_heat(&mut self) -> Result<(), RunFailure> {
         let Some(clock) = &mut self.heat else { return Ok(()) };
         clock.advance(self.dt);
-        self.launch(&self.stages.flow_heat)?;
+        self.launch(Stage::FlowHeat)?;
         // With mechanics values are checked together with all others, and only a flux can cool below zero.
         if self.is_idle() || self.model.thermal.is_cooled() {
             self.read_heat_extremes()?;
@@ -39,7 +40,7 @@ impl GpuEngine {
 
     /// The smallest limit, s; stores the lowest temperature.
     fn read_heat_extremes(&mut self) -> Result<f64, RunFailure> {
-        self.launch(&self.stages.heat_extremes)?;
+        self.launch(Stage::HeatExtremes)?;
         let left = reduce::left(Group::HeatExtremes, reduce::rows(self.stride));
         let numbers = read(&self.card, &self.columns, left)?;
         let rows = numbers.len() / EXTREMES;

@@ -9,7 +9,8 @@ use super::kernels::ledger::{
 use super::kernels::walls::SUMS;
 use super::made::SegmentSums;
 use super::ranks::agreement::Order;
-use super::{GpuEngine, Stage, failure};
+use super::stages::Stage;
+use super::{GpuEngine, failure};
 use crate::device::Array;
 use sphorge_engine::reduction::Turns;
 use sphorge_engine::{BodyLedger, ContactLedger, Energies, HeatLedger, Ledger, Model, RunFailure, WallLedger};
@@ -181,14 +182,14 @@ impl GpuEngine {
     pub(super) fn launch_ledger(&self) -> Result<LaunchedLedger, RunFailure> {
         let then = self.time - (self.dt - self.dt_to_evaluation());
         self.give_numbers(&numbers(&self.model, self.dt, then))?;
-        self.launch_own(&self.stages.ledger);
+        self.launch_own(Stage::Ledger);
         let count = self.segments.numbers_of(LedgerSums::of(&self.model).count);
         Ok(LaunchedLedger { count, driven: self.accelerations() })
     }
 
     /// Launches kernels that read nothing of ghosts.
-    pub(super) fn launch_own(&self, stage: &Stage) {
-        self.card.launch(stage.iter().map(|staged| &staged.launch));
+    pub(super) fn launch_own(&self, stage: Stage) {
+        self.card.launch(self.stages.of(stage).iter().map(|staged| &staged.launch));
     }
 
     /// The numbers that the next sums are given.

@@ -3,6 +3,7 @@
 use super::columns::Group;
 use super::search::SPARE;
 use super::snapshot::{WEIGHT_FIELDS, read};
+use super::stages::Stage;
 use super::{GpuEngine, failure};
 use sphorge_engine::RunFailure;
 
@@ -10,7 +11,7 @@ impl GpuEngine {
     /// Builds the lists of the particles if sums are those of the reference configuration: counts neighbours, allocates
     /// memory and finds them again. Then finds the surfaces that meet.
     pub(super) fn make_lists(&mut self) -> Result<(), RunFailure> {
-        if self.plan.count_lists.is_empty() {
+        if self.plan.stages.is_empty(Stage::CountLists) {
             return Ok(());
         }
         self.fill_lists(0.0)?;
@@ -22,12 +23,12 @@ impl GpuEngine {
 
     /// Builds them again, with some more memory than needed if there was too little.
     pub(super) fn make_lists_anew(&mut self) -> Result<(), RunFailure> {
-        if self.plan.count_lists.is_empty() { Ok(()) } else { self.fill_lists(SPARE) }
+        if self.plan.stages.is_empty(Stage::CountLists) { Ok(()) } else { self.fill_lists(SPARE) }
     }
 
     /// Finds the neighbours of the current reference configuration; `spare` is additional capacity as a share.
     fn fill_lists(&mut self, spare: f64) -> Result<(), RunFailure> {
-        self.launch(&self.stages.count_lists)?;
+        self.launch(Stage::CountLists)?;
         let starts = self.list_starts()?;
         let total = starts.last().map_or(0, |total| *total as usize);
         let of_starts = self.columns.array(Group::ListStarts).ok_or_else(|| failure("no lists"))?;
@@ -37,7 +38,7 @@ impl GpuEngine {
             self.columns.insert(Group::List, self.card.zeros(room).map_err(failure)?);
             self.rebind()?;
         }
-        self.launch(&self.stages.fill_lists)
+        self.launch(Stage::FillLists)
     }
 
     /// Start of the list of each particle, followed by the total number of neighbours.

@@ -22,6 +22,7 @@ mod search;
 mod sections;
 mod segments;
 mod snapshot;
+mod stages;
 mod start;
 mod step;
 mod supports;
@@ -31,16 +32,16 @@ mod tests;
 
 pub use start::{KernelText, kernel_texts};
 
-use crate::device::{Card, Launch, Profile};
+use crate::device::{Card, Profile};
 use columns::{Columns, Group};
 use facets::Facets;
 use kernels::grid::Grid;
 use plan::Plan;
 use ranks::Domain;
-use ranks::touched::Touched;
 use search::Kept;
 use segments::Segments;
 use sphorge_engine::{Engine, EngineKind, HeatClock, Model, Particles, RunFailure, Unsupported};
+use stages::{Staged, Stages};
 use std::cell::RefCell;
 use std::sync::Arc;
 
@@ -90,65 +91,6 @@ mod step_numbers {
     }
 }
 
-/// A kernel that is launched in a step, and its access to columns of particles, which is not needed on a single card.
-struct Staged {
-    launch: Launch,
-    touched: Touched,
-}
-
-/// Kernels that are launched one after the other.
-type Stage = Vec<Staged>;
-
-/// Kernels of a step, in groups that are launched together.
-#[derive(Default)]
-struct Stages {
-    /// New reference configuration of bodies that come apart.
-    renew: Stage,
-    /// Lists of the reference configuration: before their lengths are known, and after memory is allocated for them.
-    count_lists: Stage,
-    fill_lists: Stage,
-    /// For shared particles: how far they have moved since ghosts were chosen.
-    ghost_ways: Stage,
-    begin: Stage,
-    /// Smoothing lengths that follow the density.
-    follow: Stage,
-    /// Before a search: wrapping of positions along periodic axes.
-    wrap: Stage,
-    sorting: Stage,
-    /// With stored lists: how far particles have moved, and the search.
-    ways: Stage,
-    /// In adaptive search along periodic axes: how far particles have moved since the last full search.
-    strayed: Stage,
-    search: Stage,
-    /// In adaptive search: the particles to be searched, and their search.
-    mark: Stage,
-    search_marked: Stage,
-    /// Audit of the lists.
-    audit: Stage,
-    gradients: Stage,
-    /// The same with the corrections of the strain that the guard counts, in steps in which these are due.
-    corrected_gradients: Stage,
-    /// For forces evaluated at other positions than gradients, which are corrected.
-    correct: Stage,
-    /// Moving least squares, in steps in which they are due.
-    restore: Stage,
-    /// Contact, walls and gravity.
-    push: Stage,
-    stress: Stage,
-    forces: Stage,
-    /// The end of the step, and its changes.
-    finish: Stage,
-    /// The force through each section.
-    sections: Vec<Stage>,
-    section_sums: Vec<Stage>,
-    /// Heat conduction: its sums if they are due, the exchange, and the extremes of both.
-    sum_heat: Stage,
-    flow_heat: Stage,
-    heat_extremes: Stage,
-    /// The sums of the ledger.
-    ledger: Stage,
-}
-
 /// An engine on a card.
 struct GpuEngine {
     model: Arc<Model>,
@@ -158,7 +100,7 @@ struct GpuEngine {
     grid: Grid,
     /// Where bodies meet at facets.
     facets: Option<Facets>,
-    stages: Stages,
+    stages: Stages<Staged>,
     kept: Kept,
     /// By body, whether its reference configuration has been renewed.
     has_come_apart: Vec<bool>,

@@ -11,6 +11,7 @@ use super::kernels::{
 };
 use super::ranks::wears_out;
 use super::search::WAYS_TOGETHER;
+use super::stages::{Stage, Stages};
 use crate::record::KernelFault;
 use grid::{Grid, Sorted, SortingThreads};
 use rayon::prelude::*;
@@ -65,54 +66,10 @@ fn summed(kernels: Vec<Recording>, of_lanes: Recording, (portions, sums): (Porti
     kernels.into_iter().map(of_segments).chain([last]).collect()
 }
 
-/// Every kernel of a run, in groups that are launched together.
+/// Every kernel of a run.
 #[derive(Default)]
 pub(super) struct Plan {
-    /// For renewed references: the new ones.
-    pub(super) renew: Vec<Planned>,
-    /// With lists of the reference configuration: before their lengths are known, and after memory is allocated for
-    /// them.
-    pub(super) count_lists: Vec<Planned>,
-    pub(super) fill_lists: Vec<Planned>,
-    /// For shared particles: how far they have moved since ghosts were chosen.
-    pub(super) ghost_ways: Vec<Planned>,
-    pub(super) begin: Vec<Planned>,
-    /// Smoothing lengths that follow the density.
-    pub(super) follow: Vec<Planned>,
-    /// Before a search: wrapping of positions along periodic axes.
-    pub(super) wrap: Vec<Planned>,
-    pub(super) sorting: Vec<Planned>,
-    /// With stored lists: how far particles have moved, and the search.
-    pub(super) ways: Vec<Planned>,
-    /// In adaptive search along periodic axes: how far particles have moved since the last full search.
-    pub(super) strayed: Vec<Planned>,
-    pub(super) search: Vec<Planned>,
-    /// In adaptive search: the particles to be searched, and their search.
-    pub(super) mark: Vec<Planned>,
-    pub(super) search_marked: Vec<Planned>,
-    /// Audit of the lists.
-    pub(super) audit: Vec<Planned>,
-    pub(super) gradients: Vec<Planned>,
-    /// The same with the corrections of the strain that the guard of adaptive search counts.
-    pub(super) corrected_gradients: Vec<Planned>,
-    /// For forces evaluated at other positions than gradients, which are corrected.
-    pub(super) correct: Vec<Planned>,
-    /// Moving least squares.
-    pub(super) restore: Vec<Planned>,
-    pub(super) push: Vec<Planned>,
-    pub(super) stress: Vec<Planned>,
-    pub(super) forces: Vec<Planned>,
-    pub(super) finish: Vec<Planned>,
-    /// The force through each section.
-    pub(super) sections: Vec<Vec<Planned>>,
-    /// The sum of each over all particles.
-    pub(super) section_sums: Vec<Vec<Planned>>,
-    /// Heat conduction: its sums if they are due, the exchange, and the extremes of both.
-    pub(super) sum_heat: Vec<Planned>,
-    pub(super) flow_heat: Vec<Planned>,
-    pub(super) heat_extremes: Vec<Planned>,
-    /// The sums of the ledger.
-    pub(super) ledger: Vec<Planned>,
+    pub(super) stages: Stages<Planned>,
     /// Reductions that a run of the deck requests, to be compiled with all others.
     pub(super) reductions: Vec<Planned>,
 }
@@ -151,264 +108,356 @@ impl Plan {
         grids: Grids<'_>,
         references: References,
     ) -> Result<Self, KernelFault> {
-        let Grids { of_kernels: grid, of_facets } = grids;
-        let (all, all_here) = (Threads::Of(p.len()), Threads::OfAllHere);
-        let Rows { stride, portions, .. } = rows;
-        let parts = reduce::rows(stride);
-        let of_parts = |kernel| Planned { kernel, threads: Threads::Of(parts) };
-        let of_particles = |kernel| Planned { kernel, threads: all };
-        let of_surface = |kernel| Planned { kernel, threads: Threads::OfSurface };
-        let mut plan = Self::default();
+        let mut planner = Planner { model, p, rows, grids, references, stages: Stages::default() };
+        planner.integrate()?;
+        match model.formulation {
+            Formulation::UpdatedLagrangian => planner.sum_in_current_configuration()?,
+            Formulation::TotalLagrangian { renewal, .. } => planner.sum_in_reference_configuration(renewal)?,
+        }
+        planner.audit()?;
+        planner.push_faces()?;
+        planner.stress()?;
+        planner.forces()?;
+        for (number, section) in model.sections.iter().enumerate() {
+            planner.section(Through { number, section })?;
+        }
+        planner.ledger()?;
+        planner.conduct_heat()?;
+        planner.limit_step()?;
+        planner.reduce_ways()?;
+        let reductions = reductions::of_deck(model, references, (rows.portions, rows.stride))?;
+        let reductions = reductions.into_iter().map(|kernel| planner.of_particles(kernel)).collect();
+        Ok(Self { stages: planner.stages, reductions })
+    }
+
+    /// All of them but reductions, in the order of a run.
+    pub(super) fn all(&self) -> impl Iterator<Item = &Recording> {
+        self.stages.all().map(|planned| &planned.kernel)
+    }
+}
+
+/// What a plan is made from, and the stages so far.
+struct Planner<'a> {
+    model: &'a Model,
+    p: &'a Particles,
+    rows: Rows,
+    grids: Grids<'a>,
+    references: References,
+    stages: Stages<Planned>,
+}
+
+impl Planner<'_> {
+    /// Rows of the first pass of a reduction.
+    fn parts(&self) -> usize {
+        reduce::rows(self.rows.stride)
+    }
+
+    fn of_particles(&self, kernel: Recording) -> Planned {
+        Planned { kernel, threads: Threads::Of(self.p.len()) }
+    }
+
+    /// Adds a kernel with a thread for every particle.
+    fn add(&mut self, stage: Stage, kernel: Recording) {
+        let planned = self.of_particles(kernel);
+        self.stages.push(stage, planned);
+    }
+
+    /// Adds a kernel with a thread for every row of the first pass of a reduction.
+    fn add_of_parts(&mut self, stage: Stage, kernel: Recording) {
+        self.stages.push(stage, Planned { kernel, threads: Threads::Of(self.parts()) });
+    }
+
+    /// Adds a kernel with a thread for every surface particle.
+    fn add_of_surface(&mut self, stage: Stage, kernel: Recording) {
+        self.stages.push(stage, Planned { kernel, threads: Threads::OfSurface });
+    }
+
+    fn add_sorting(&mut self, stage: Stage, grid: &Grid, of: Sorted, threads: Threads) -> Result<(), KernelFault> {
+        self.stages.extend(stage, sorting(grid, self.rows, of, threads)?);
+        Ok(())
+    }
+
+    /// Begin and end of the step.
+    fn integrate(&mut self) -> Result<(), KernelFault> {
+        let (model, stride) = (self.model, self.rows.stride);
         let (begin, finish) = match model.numerics.integrator {
             Integrator::Leapfrog => (leapfrog::begin(model, stride)?, leapfrog::finish(model, stride)?),
             Integrator::PredictorCorrector => {
                 (predictor_corrector::predict(model, stride)?, predictor_corrector::correct(model, stride)?)
             }
         };
-        plan.begin.push(of_particles(begin));
-        match model.formulation {
-            Formulation::UpdatedLagrangian => {
-                plan.follow.extend(smoothing::follow(model, stride)?.map(of_particles));
-                plan.wrap.extend(wrap::wrap(model, stride)?.map(of_particles));
-                plan.sorting = sorting(grid, rows, Sorted::Particles, all_here)?;
-                if keeps_lists(model) {
-                    let rule = kept::adaptive(model);
-                    let is_guarded = rule.is_some_and(|rule| rule.guard.is_some());
-                    let since = if is_guarded { Group::FoundAt } else { Group::SearchedAt };
-                    if model.search != Search::EveryStep {
-                        plan.ways.push(of_parts(kept::ways(model, since, p.len(), stride)?));
-                    }
-                    if rule.is_some() && model.periodic.iter().any(Option::is_some) {
-                        plan.strayed.push(of_parts(kept::ways(model, Group::SearchedAt, p.len(), stride)?));
-                    }
-                    if let Some(rule) = rule {
-                        plan.mark.push(of_particles(kept::mark(rule, stride)?));
-                        plan.mark.push(of_parts(kept::count_marked(p.len(), stride)?));
-                        let marked = &mut plan.search_marked;
-                        marked.push(of_particles(in_dimension!(
-                            model,
-                            kept::search_marked,
-                            model,
-                            grid,
-                            is_guarded,
-                            stride
-                        )));
-                        if is_guarded {
-                            marked.push(of_particles(in_dimension!(model, kept::patch, model, grid, stride)));
-                        }
-                        marked.push(of_parts(kept::longest_rows(stride)?));
-                    }
-                    if is_guarded && !pairs::is_corrected(model) {
-                        let due = &mut plan.corrected_gradients;
-                        due.push(of_particles(pairs::weigh(model, stride)?));
-                        due.push(of_particles(in_dimension!(model, pairs::gradients, model, true, stride)));
-                    }
-                    plan.search.push(of_particles(in_dimension!(model, kept::search, model, grid, stride)));
-                    plan.search.push(of_parts(kept::longest_rows(stride)?));
-                }
-                plan.gradients.push(of_particles(pairs::weigh(model, stride)?));
-                plan.gradients.push(of_particles(in_dimension!(model, pairs::gradients, model, false, stride)));
-                if pairs::is_corrected(model) && model.numerics.integrator == Integrator::Leapfrog {
-                    plan.correct.push(of_particles(in_dimension!(model, pairs::correct, model, stride)));
-                }
-                if model.numerics.mls_interval.is_some() {
-                    let estimate = in_dimension!(model, moving_least_squares::estimate, model, stride);
-                    plan.restore.push(of_particles(estimate));
-                    plan.restore.push(of_particles(moving_least_squares::restore(model, stride)?));
-                }
-            }
-            Formulation::TotalLagrangian { renewal, .. } => {
-                if references == References::Renewed {
-                    plan.renew.extend(wrap::wrap(model, stride)?.map(of_particles));
-                    plan.renew.push(of_particles(reference::renew(model, stride)?));
-                }
-                plan.count_lists = sorting(grid, rows, Sorted::Reference, all_here)?;
-                plan.count_lists.push(of_particles(in_dimension!(model, reference::count, model, grid, stride)));
-                plan.fill_lists.push(of_particles(in_dimension!(model, reference::list, model, grid, stride)));
-                plan.fill_lists.push(of_particles(in_dimension!(model, reference::correct, model, references, stride)));
-                let renewal = (renewal, references);
-                plan.gradients.push(of_particles(in_dimension!(model, reference::deform, model, renewal, stride)));
-            }
+        self.add(Stage::Begin, begin);
+        self.add(Stage::Finish, finish);
+        Ok(())
+    }
+
+    /// Search and gradients in the current configuration.
+    fn sum_in_current_configuration(&mut self) -> Result<(), KernelFault> {
+        let (model, stride) = (self.model, self.rows.stride);
+        if let Some(follow) = smoothing::follow(model, stride)? {
+            self.add(Stage::Follow, follow);
         }
-        if model.audit.is_some() {
-            // From the current positions of the particles.
-            plan.audit = sorting(grid, rows, Sorted::Particles, all_here)?;
-            plan.audit.push(of_particles(in_dimension!(model, audit::of_lists, model, stride)));
-            plan.audit.push(of_particles(in_dimension!(model, audit::exact, model, grid, references, stride)));
+        if let Some(wrap) = wrap::wrap(model, stride)? {
+            self.add(Stage::Wrap, wrap);
         }
-        let is_alone = model.walls.is_empty() && model.gravity == [0.0; 3];
-        let meets = contact::meets(model);
-        let has_facets = model.has_facets();
-        let of_contact_positions = || -> Result<Vec<Planned>, KernelFault> {
-            let mut planned = vec![of_surface(contact::stand(references, stride)?)];
-            planned.extend(sorting(grid, rows, Sorted::Surface, Threads::OfSurfaceHere)?);
-            Ok(planned)
-        };
+        self.add_sorting(Stage::Sorting, self.grids.of_kernels, Sorted::Particles, Threads::OfAllHere)?;
+        if keeps_lists(model) {
+            self.search()?;
+        }
+        self.add(Stage::Gradients, pairs::weigh(model, stride)?);
+        self.add(Stage::Gradients, in_dimension!(model, pairs::gradients, model, false, stride));
+        if pairs::is_corrected(model) && model.numerics.integrator == Integrator::Leapfrog {
+            self.add(Stage::Correct, in_dimension!(model, pairs::correct, model, stride));
+        }
+        if model.numerics.mls_interval.is_some() {
+            self.add(Stage::Restore, in_dimension!(model, moving_least_squares::estimate, model, stride));
+            self.add(Stage::Restore, moving_least_squares::restore(model, stride)?);
+        }
+        Ok(())
+    }
+
+    /// Stored lists, and when they are searched.
+    fn search(&mut self) -> Result<(), KernelFault> {
+        let (model, stride, count) = (self.model, self.rows.stride, self.p.len());
+        let grid = self.grids.of_kernels;
+        let rule = kept::adaptive(model);
+        let is_guarded = rule.is_some_and(|rule| rule.guard.is_some());
+        let since = if is_guarded { Group::FoundAt } else { Group::SearchedAt };
+        if model.search != Search::EveryStep {
+            self.add_of_parts(Stage::Ways, kept::ways(model, since, count, stride)?);
+        }
+        if rule.is_some() && model.periodic.iter().any(Option::is_some) {
+            self.add_of_parts(Stage::Strayed, kept::ways(model, Group::SearchedAt, count, stride)?);
+        }
+        if let Some(rule) = rule {
+            self.add(Stage::Mark, kept::mark(rule, stride)?);
+            self.add_of_parts(Stage::Mark, kept::count_marked(count, stride)?);
+            let search_marked = in_dimension!(model, kept::search_marked, model, grid, is_guarded, stride);
+            self.add(Stage::SearchMarked, search_marked);
+            if is_guarded {
+                self.add(Stage::SearchMarked, in_dimension!(model, kept::patch, model, grid, stride));
+            }
+            self.add_of_parts(Stage::SearchMarked, kept::longest_rows(stride)?);
+        }
+        if is_guarded && !pairs::is_corrected(model) {
+            self.add(Stage::CorrectedGradients, pairs::weigh(model, stride)?);
+            self.add(Stage::CorrectedGradients, in_dimension!(model, pairs::gradients, model, true, stride));
+        }
+        self.add(Stage::Search, in_dimension!(model, kept::search, model, grid, stride));
+        self.add_of_parts(Stage::Search, kept::longest_rows(stride)?);
+        Ok(())
+    }
+
+    /// Lists and gradients in the reference configuration.
+    fn sum_in_reference_configuration(&mut self, renewal: Option<f64>) -> Result<(), KernelFault> {
+        let (model, stride, references) = (self.model, self.rows.stride, self.references);
+        let grid = self.grids.of_kernels;
+        if references == References::Renewed {
+            if let Some(wrap) = wrap::wrap(model, stride)? {
+                self.add(Stage::Renew, wrap);
+            }
+            self.add(Stage::Renew, reference::renew(model, stride)?);
+        }
+        self.add_sorting(Stage::CountLists, grid, Sorted::Reference, Threads::OfAllHere)?;
+        self.add(Stage::CountLists, in_dimension!(model, reference::count, model, grid, stride));
+        self.add(Stage::FillLists, in_dimension!(model, reference::list, model, grid, stride));
+        self.add(Stage::FillLists, in_dimension!(model, reference::correct, model, references, stride));
+        self.add(Stage::Gradients, in_dimension!(model, reference::deform, model, (renewal, references), stride));
+        Ok(())
+    }
+
+    fn audit(&mut self) -> Result<(), KernelFault> {
+        let (model, stride, references) = (self.model, self.rows.stride, self.references);
+        if model.audit.is_none() {
+            return Ok(());
+        }
+        let grid = self.grids.of_kernels;
+        // From the current positions of the particles.
+        self.add_sorting(Stage::Audit, grid, Sorted::Particles, Threads::OfAllHere)?;
+        self.add(Stage::Audit, in_dimension!(model, audit::of_lists, model, stride));
+        self.add(Stage::Audit, in_dimension!(model, audit::exact, model, grid, references, stride));
+        Ok(())
+    }
+
+    /// Whether neither walls nor gravity act.
+    fn is_alone(&self) -> bool {
+        self.model.walls.is_empty() && self.model.gravity == [0.0; 3]
+    }
+
+    /// Contact positions, and the particles sorted by them.
+    fn stand(&mut self, stage: Stage) -> Result<(), KernelFault> {
+        self.add_of_surface(stage, contact::stand(self.references, self.rows.stride)?);
+        self.add_sorting(stage, self.grids.of_kernels, Sorted::Surface, Threads::OfSurfaceHere)
+    }
+
+    /// Contact, walls and gravity.
+    fn push_faces(&mut self) -> Result<(), KernelFault> {
+        let (model, stride, references) = (self.model, self.rows.stride, self.references);
+        let Grids { of_kernels: grid, of_facets } = self.grids;
+        let (meets, has_facets) = (contact::meets(model), model.has_facets());
         if has_facets {
-            let follow = in_dimension!(model, facets::follow, model, references, stride);
-            plan.push.push(of_surface(follow));
-            plan.push.extend(sorting(of_facets, rows, Sorted::WithFacets, Threads::OfSurfaceHere)?);
+            self.add_of_surface(Stage::Push, in_dimension!(model, facets::follow, model, references, stride));
+            self.add_sorting(Stage::Push, of_facets, Sorted::WithFacets, Threads::OfSurfaceHere)?;
             if model.contact.has_friction() {
                 let slip = in_dimension!(model, facets::slip, model, of_facets, references, stride);
-                plan.push.push(of_surface(slip));
+                self.add_of_surface(Stage::Push, slip);
             }
         } else if meets {
             if model.has_faces() {
-                plan.push.extend(of_contact_positions()?);
+                self.stand(Stage::Push)?;
             }
-            plan.push.push(of_surface(in_dimension!(model, contact::overlap, model, grid, references, stride)));
+            let overlap = in_dimension!(model, contact::overlap, model, grid, references, stride);
+            self.add_of_surface(Stage::Push, overlap);
         }
-        if meets || !is_alone {
-            plan.push.push(of_particles(walls::push(model, references, stride)?));
+        if meets || !self.is_alone() {
+            self.add(Stage::Push, walls::push(model, references, stride)?);
         }
-        if has_facets {
-            let press = in_dimension!(model, facets::press, model, of_facets, None, references, stride);
-            plan.push.push(of_surface(press));
-        } else if meets {
-            plan.push.push(of_surface(in_dimension!(model, contact::press, model, grid, None, references, stride)));
+        self.press(Stage::Push, None)
+    }
+
+    /// Forces of the contact, or those through a section.
+    fn press(&mut self, stage: Stage, through: Option<Through<'_>>) -> Result<(), KernelFault> {
+        let (model, stride, references) = (self.model, self.rows.stride, self.references);
+        let Grids { of_kernels: grid, of_facets } = self.grids;
+        if model.has_facets() {
+            let press = in_dimension!(model, facets::press, model, of_facets, through, references, stride);
+            self.add_of_surface(stage, press);
+        } else if contact::meets(model) {
+            let press = in_dimension!(model, contact::press, model, grid, through, references, stride);
+            self.add_of_surface(stage, press);
         }
+        Ok(())
+    }
+
+    /// The stress of the particles of each material, and data of neighbours that forces read.
+    fn stress(&mut self) -> Result<(), KernelFault> {
+        let (model, stride, references) = (self.model, self.rows.stride, self.references);
+        let rubs = contact::meets(model) || model.walls.iter().any(Wall::rubs);
         for k in 0..model.materials.len() {
-            let threads = members(p, k).len();
+            let threads = members(self.p, k).len();
             let of_material = |kernel| (threads > 0).then_some(Planned { kernel, threads: Threads::Of(threads) });
             let stress = |of| stress::stress(model, (k, references), stride, of);
             match model.numerics.integrator {
-                Integrator::Leapfrog => plan.stress.extend(of_material(stress(StressOf::Leapfrog)?)),
+                Integrator::Leapfrog => self.stages.extend(Stage::Stress, of_material(stress(StressOf::Leapfrog)?)),
                 Integrator::PredictorCorrector => {
-                    plan.stress.extend(of_material(stress(StressOf::Middle)?));
-                    plan.finish.extend(of_material(stress(StressOf::End)?));
+                    self.stages.extend(Stage::Stress, of_material(stress(StressOf::Middle)?));
+                    self.stages.extend(Stage::Finish, of_material(stress(StressOf::End)?));
                 }
             }
             let is_warmed = model.materials[k].heats() && model.numerics.temperature == TemperatureSource::PlasticWork;
-            if is_warmed && (meets || model.walls.iter().any(Wall::rubs)) {
-                plan.finish.extend(of_material(stress::warm(model, k, stride)?));
+            if is_warmed && rubs {
+                self.stages.extend(Stage::Finish, of_material(stress::warm(model, k, stride)?));
             }
         }
         match model.formulation {
             Formulation::UpdatedLagrangian => {
                 if pairs::is_corrected(model) {
-                    plan.stress.push(of_particles(pairs::correct_stress(stride)?));
+                    self.add(Stage::Stress, pairs::correct_stress(stride)?);
                 }
-                plan.forces.push(of_particles(in_dimension!(model, pairs::forces, model, None, stride)));
             }
             Formulation::TotalLagrangian { hourglass, .. } => {
-                plan.stress.push(of_particles(reference_forces::pull_back(model, hourglass, stride)?));
-                plan.forces.push(of_particles(in_dimension!(model, reference_forces::forces, model, None, stride)));
-                if hourglass != 0.0 {
-                    plan.forces.push(of_particles(in_dimension!(
-                        model,
-                        reference_forces::springs,
-                        model,
-                        None,
-                        stride
-                    )));
-                }
+                self.add(Stage::Stress, reference_forces::pull_back(model, hourglass, stride)?);
             }
         }
-        if meets {
-            plan.forces.push(of_surface(contact::add(stride)?));
-        }
-        if !is_alone {
-            plan.forces.push(of_particles(walls::add(stride)?));
-        }
-        for (number, section) in model.sections.iter().enumerate() {
-            let through = Some(Through { number, section });
-            let mut kernels = Vec::new();
-            match model.formulation {
-                Formulation::UpdatedLagrangian => {
-                    kernels.push(of_particles(in_dimension!(model, pairs::forces, model, through, stride)));
-                }
-                Formulation::TotalLagrangian { hourglass, .. } => {
-                    let forces = in_dimension!(model, reference_forces::forces, model, through, stride);
-                    kernels.push(of_particles(forces));
-                    if hourglass != 0.0 {
-                        let springs = in_dimension!(model, reference_forces::springs, model, through, stride);
-                        kernels.push(of_particles(springs));
-                    }
-                }
-            }
-            if has_facets {
-                let through = in_dimension!(model, facets::press, model, of_facets, through, references, stride);
-                kernels.push(of_surface(through));
-            } else if meets {
-                kernels.push(of_surface(in_dimension!(
-                    model,
-                    contact::press,
-                    model,
-                    grid,
-                    through,
-                    references,
-                    stride
-                )));
-            }
-            plan.sections.push(kernels);
-            let terms = [0, 1, 2].map(|column| sums::Term { column, rest: None });
-            let sums = sums::of_columns(Group::Section(number), &terms, (portions, 0), stride)?;
-            plan.section_sums.push(summed(sums, sums::of_lanes(portions.lanes(), stride)?, (portions, terms.len())));
-        }
-        let (sums, lanes) = ledger::ledger(model, references, portions, stride)?;
-        let reductions = reductions::of_deck(model, references, (portions, stride))?;
-        plan.reductions = reductions.into_iter().map(|kernel| Planned { kernel, threads: all }).collect();
-        plan.ledger = summed(sums, lanes, (portions, ledger::LedgerSums::of(model).count));
-        if model.thermal.conduction {
-            if has_facets && conduction::meets_others(model) {
-                // In place of the cells of the contact.
-                plan.sum_heat.extend(of_contact_positions()?);
-            }
-            let sums = in_dimension!(model, conduction::sums, model, grid, stride);
-            plan.sum_heat.extend(sums.into_iter().map(of_particles));
-            plan.flow_heat.push(of_particles(conduction::flow(model, stride)?));
-            plan.heat_extremes.push(of_parts(conduction::extremes(p.len(), stride)?));
-            plan.heat_extremes.extend(reduced(reduce::reduce(Group::HeatExtremes, parts, conduction::TOGETHER)?));
-        }
-        plan.finish.insert(0, of_particles(finish));
-        plan.finish.push(of_particles(limits::of_particles(model, stride)?));
-        plan.finish.push(of_parts(limits::extremes(stride)?));
-        plan.finish.extend(reduced(reduce::reduce(Group::Extremes, parts, limits::together())?));
-        if rows.are_shared && wears_out(model) {
-            plan.ghost_ways.push(of_parts(kept::ways(model, Group::GhostsAt, p.len(), stride)?));
-        }
-        if keeps_lists(model) || rows.are_shared {
-            let Self { ghost_ways, ways, strayed, mark, search, search_marked, .. } = &mut plan;
-            for stage in [ghost_ways, ways, strayed, mark, search, search_marked] {
-                if !stage.is_empty() {
-                    stage.extend(reduced(reduce::reduce(Group::Ways, parts, WAYS_TOGETHER)?));
-                }
-            }
-        }
-        Ok(plan)
+        Ok(())
     }
 
-    /// All of them but reductions, in the order of a run.
-    pub(super) fn all(&self) -> impl Iterator<Item = &Recording> {
-        let groups = [
-            &self.renew,
-            &self.count_lists,
-            &self.fill_lists,
-            &self.ghost_ways,
-            &self.begin,
-            &self.follow,
-            &self.wrap,
-            &self.sorting,
-            &self.ways,
-            &self.strayed,
-            &self.search,
-            &self.mark,
-            &self.search_marked,
-            &self.audit,
-            &self.gradients,
-            &self.corrected_gradients,
-            &self.restore,
-            &self.correct,
-            &self.push,
-            &self.stress,
-            &self.forces,
-            &self.finish,
-            &self.sum_heat,
-            &self.flow_heat,
-            &self.heat_extremes,
-            &self.ledger,
-        ];
-        groups.into_iter().chain(&self.sections).chain(&self.section_sums).flatten().map(|planned| &planned.kernel)
+    fn forces(&mut self) -> Result<(), KernelFault> {
+        let stride = self.rows.stride;
+        self.sum_forces(Stage::Forces, None)?;
+        if contact::meets(self.model) {
+            self.add_of_surface(Stage::Forces, contact::add(stride)?);
+        }
+        if !self.is_alone() {
+            self.add(Stage::Forces, walls::add(stride)?);
+        }
+        Ok(())
+    }
+
+    /// Pair forces, or those through a section.
+    fn sum_forces(&mut self, stage: Stage, through: Option<Through<'_>>) -> Result<(), KernelFault> {
+        let (model, stride) = (self.model, self.rows.stride);
+        match model.formulation {
+            Formulation::UpdatedLagrangian => {
+                self.add(stage, in_dimension!(model, pairs::forces, model, through, stride));
+            }
+            Formulation::TotalLagrangian { hourglass, .. } => {
+                self.add(stage, in_dimension!(model, reference_forces::forces, model, through, stride));
+                if hourglass != 0.0 {
+                    self.add(stage, in_dimension!(model, reference_forces::springs, model, through, stride));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The force through a section, and its sum.
+    fn section(&mut self, through: Through<'_>) -> Result<(), KernelFault> {
+        let Rows { stride, portions, .. } = self.rows;
+        let stage = Stage::Section(through.number);
+        self.sum_forces(stage, Some(through))?;
+        self.press(stage, Some(through))?;
+        let terms = [0, 1, 2].map(|column| sums::Term { column, rest: None });
+        let sums = sums::of_columns(Group::Section(through.number), &terms, (portions, 0), stride)?;
+        let summed = summed(sums, sums::of_lanes(portions.lanes(), stride)?, (portions, terms.len()));
+        self.stages.extend(Stage::SectionSums(through.number), summed);
+        Ok(())
+    }
+
+    fn ledger(&mut self) -> Result<(), KernelFault> {
+        let Rows { stride, portions, .. } = self.rows;
+        let (sums, lanes) = ledger::ledger(self.model, self.references, portions, stride)?;
+        let count = ledger::LedgerSums::of(self.model).count;
+        self.stages.extend(Stage::Ledger, summed(sums, lanes, (portions, count)));
+        Ok(())
+    }
+
+    fn conduct_heat(&mut self) -> Result<(), KernelFault> {
+        let (model, stride) = (self.model, self.rows.stride);
+        if !model.thermal.conduction {
+            return Ok(());
+        }
+        if model.has_facets() && conduction::meets_others(model) {
+            // In place of the cells of the contact.
+            self.stand(Stage::SumHeat)?;
+        }
+        for kernel in in_dimension!(model, conduction::sums, model, self.grids.of_kernels, stride) {
+            self.add(Stage::SumHeat, kernel);
+        }
+        self.add(Stage::FlowHeat, conduction::flow(model, stride)?);
+        self.add_of_parts(Stage::HeatExtremes, conduction::extremes(self.p.len(), stride)?);
+        let passes = reduce::reduce(Group::HeatExtremes, self.parts(), conduction::TOGETHER)?;
+        self.stages.extend(Stage::HeatExtremes, reduced(passes));
+        Ok(())
+    }
+
+    /// Limits of the next step, and changes by this one.
+    fn limit_step(&mut self) -> Result<(), KernelFault> {
+        let stride = self.rows.stride;
+        self.add(Stage::Finish, limits::of_particles(self.model, stride)?);
+        self.add_of_parts(Stage::Finish, limits::extremes(stride)?);
+        let passes = reduce::reduce(Group::Extremes, self.parts(), limits::together())?;
+        self.stages.extend(Stage::Finish, reduced(passes));
+        Ok(())
+    }
+
+    /// Reduces what stages find in rows of particles about lists and ghosts.
+    fn reduce_ways(&mut self) -> Result<(), KernelFault> {
+        let (model, are_shared) = (self.model, self.rows.are_shared);
+        if are_shared && wears_out(model) {
+            let ways = kept::ways(model, Group::GhostsAt, self.p.len(), self.rows.stride)?;
+            self.add_of_parts(Stage::GhostWays, ways);
+        }
+        if !(keeps_lists(model) || are_shared) {
+            return Ok(());
+        }
+        let stages =
+            [Stage::GhostWays, Stage::Ways, Stage::Strayed, Stage::Mark, Stage::Search, Stage::SearchMarked];
+        for stage in stages.into_iter().filter(|stage| !self.stages.is_empty(*stage)).collect::<Vec<_>>() {
+            let passes = reduce::reduce(Group::Ways, self.parts(), WAYS_TOGETHER)?;
+            self.stages.extend(stage, reduced(passes));
+        }
+        Ok(())
     }
 }
 

@@ -12,6 +12,7 @@ use super::kernels::limits;
 use super::kernels::reference::References;
 use super::snapshot::read;
 use super::start::{fill, part, reference};
+use super::stages::Stage;
 use super::{GpuEngine, failure};
 use sphorge_engine::persist::{Archive, ArchiveError, Persist};
 use sphorge_engine::{RunFailure, heat_of_released};
@@ -59,7 +60,7 @@ impl GpuEngine {
             self.take_references(References::Renewed)?;
         }
         self.write_flags(&is_due)?;
-        self.launch(&self.stages.renew)?;
+        self.launch(Stage::Renew)?;
         self.choose_ghosts()?;
         self.make_lists_anew()?;
         self.kept.last_searched = self.steps;

@@ -9,7 +9,8 @@ use super::kernels::kept::{
 use super::kernels::reduce::{self, Together};
 use super::ranks::has_images;
 use super::snapshot::read;
-use super::{GpuEngine, Stage, failure};
+use super::stages::Stage;
+use super::{GpuEngine, failure};
 use rayon::prelude::*;
 use sphorge_engine::model::{AdaptiveSearch, Search};
 use sphorge_engine::neighbors::NeighborList;
@@ -59,7 +60,7 @@ pub(super) struct Ways {
 impl GpuEngine {
     /// Makes the lists valid for the updated positions.
     pub(super) fn refresh_kept(&mut self) -> Result<SearchReport, RunFailure> {
-        self.launch(&self.stages.follow)?;
+        self.launch(Stage::Follow)?;
         let due = match self.model.search {
             Search::Skin { fraction } => !self.kept.is_made || self.moved_beyond_skin(fraction)?,
             Search::Adaptive(rule) if self.kept.is_made => return self.search_adaptively(rule),
@@ -70,7 +71,7 @@ impl GpuEngine {
             self.search_all()?;
         } else if !self.model.contact_pairs().is_empty() {
             // The contact uses the cells.
-            self.launch(&self.stages.sorting)?;
+            self.launch(Stage::Sorting)?;
         }
         Ok(SearchReport { searched_fraction: f64::from(u8::from(due)) })
     }
@@ -80,7 +81,7 @@ impl GpuEngine {
     /// displacements than their particles.
     fn moved_beyond_skin(&self, fraction: f64) -> Result<bool, RunFailure> {
         let smallest = self.model.bodies.iter().map(|body| body.smoothing_length).fold(f64::INFINITY, f64::min);
-        let ways = self.ways(&self.stages.ways)?;
+        let ways = self.ways(Stage::Ways)?;
         let skin = if follows(&self.model) { ways.skin } else { fraction * smallest };
         let skin = skin.max(0.0) * self.model.numerics.kernel.support();
         Ok(skin == 0.0 || ways.longest > 0.25 * skin * skin && (has_images(&self.model) || ways.diagonal > skin * skin))
@@ -95,7 +96,7 @@ impl GpuEngine {
         if rule.guard.is_some() {
             self.refresh_candidates()?;
         }
-        self.launch(&self.stages.mark)?;
+        self.launch(Stage::Mark)?;
         let marked = self.sum_in_order(self.of_rows()?(MARKED_ROWS))?;
         let share = marked / self.total_count() as f64;
         if rule.guard.is_some() && share > AdaptiveSearch::ALL_ABOVE {
@@ -103,10 +104,10 @@ impl GpuEngine {
             return Ok(SearchReport { searched_fraction: 1.0 });
         }
         if marked > 0.0 || !self.model.contact_pairs().is_empty() {
-            self.launch(&self.stages.sorting)?;
+            self.launch(Stage::Sorting)?;
         }
         if marked > 0.0 {
-            self.launch(&self.stages.search_marked)?;
+            self.launch(Stage::SearchMarked)?;
             if self.longest_row()? > f64::from(self.kept.room) {
                 // Neighbours beyond the capacity are lost.
                 self.search_all()?;
@@ -119,8 +120,8 @@ impl GpuEngine {
     /// Whether particles are to be wrapped to the other end of a periodic cell. All are wrapped together, when the CPU
     /// engine would create its images again.
     fn has_strayed(&self) -> Result<bool, RunFailure> {
-        let is_closed = self.stages.strayed.is_empty();
-        Ok(!is_closed && self.ways(&self.stages.strayed)?.longest.sqrt() > AdaptiveSearch::IMAGE_MARGIN * self.reach())
+        let is_closed = self.stages.is_empty(Stage::Strayed);
+        Ok(!is_closed && self.ways(Stage::Strayed)?.longest.sqrt() > AdaptiveSearch::IMAGE_MARGIN * self.reach())
     }
 
     /// How far kernels reach at the start, m.
@@ -133,7 +134,7 @@ impl GpuEngine {
     /// that this is necessary: a few times during the perforation of a plate.
     fn refresh_candidates(&mut self) -> Result<(), RunFailure> {
         let reach = self.reach();
-        if self.kept.has_candidates && self.ways(&self.stages.ways)?.longest <= ContactCandidates::lasts(reach).powi(2)
+        if self.kept.has_candidates && self.ways(Stage::Ways)?.longest <= ContactCandidates::lasts(reach).powi(2)
         {
             return Ok(());
         }
@@ -200,7 +201,7 @@ impl GpuEngine {
         Ok(longest)
     }
 
-    fn ways(&self, since: &Stage) -> Result<Ways, RunFailure> {
+    fn ways(&self, since: Stage) -> Result<Ways, RunFailure> {
         self.launch(since)?;
         self.ways_of_all()
     }
@@ -228,20 +229,20 @@ impl GpuEngine {
 
     /// Searches the neighbours of all particles, with more memory if there is too little.
     fn search_all(&mut self) -> Result<(), RunFailure> {
-        self.launch(&self.stages.wrap)?;
+        self.launch(Stage::Wrap)?;
         self.find_all()
     }
 
     /// The same with particles that are already wrapped along periodic axes.
     fn find_all(&mut self) -> Result<(), RunFailure> {
         self.choose_ghosts_of_search()?;
-        self.launch(&self.stages.sorting)?;
-        self.launch(&self.stages.search)?;
+        self.launch(Stage::Sorting)?;
+        self.launch(Stage::Search)?;
         let longest = self.longest_row()?;
         if longest > f64::from(self.kept.room) {
             self.make_room(((1.0 + SPARE) * longest) as u32 + 1)?;
             self.set_step()?;
-            self.launch(&self.stages.search)?;
+            self.launch(Stage::Search)?;
         }
         self.kept.is_made = true;
         self.kept.last_searched = self.steps;
@@ -283,7 +284,7 @@ impl GpuEngine {
         if !self.model.audit.is_some_and(due) {
             return Ok(None);
         }
-        self.launch(&self.stages.audit)?;
+        self.launch(Stage::Audit)?;
         let audited = self.group(Group::Audit)?;
         let numbers = |i: usize| core::array::from_fn(|field| audited.at(field, i));
         let own: Vec<[f64; audit::AUDIT]> = (0..self.initial.len()).map(numbers).collect();

@@ -2,6 +2,7 @@
 
 use super::made::Made;
 use super::reductions::Launched;
+use super::stages::Stage;
 use super::{GpuEngine, failure};
 use sphorge_engine::RunFailure;
 use sphorge_engine::model::{Integrator, Section};
@@ -17,9 +18,9 @@ impl GpuEngine {
         let number = self.model.sections.iter().position(|of| of == section);
         let number = number.ok_or_else(|| failure(format!("no section `{}`", section.name)))?;
         if !self.sums_sections_with_forces() {
-            self.launch(&self.stages.sections[number])?;
+            self.launch(Stage::Section(number))?;
         }
-        self.launch_own(&self.stages.section_sums[number]);
+        self.launch_own(Stage::SectionSums(number));
         Ok(Launched { count: self.segments.numbers_of(3), made: Made::Force })
     }
 }

@@ -14,7 +14,8 @@ use super::room::refuse_what_has_no_room;
 use super::search::Kept;
 use super::segments::{self, Segments};
 use super::snapshot::{fields, stands};
-use super::{Gpu, GpuEngine, Stage, Staged, Stages, failure};
+use super::stages::{Staged, Stages};
+use super::{Gpu, GpuEngine, failure};
 use crate::device::{Array, Card, CardFault};
 use crate::record::KernelFault;
 use grid::Grid;
@@ -469,38 +470,7 @@ impl GpuEngine {
             let of = || Touched::of(&planned.kernel, self.stride, runs_over_ghosts);
             Ok(Staged { launch, touched: if is_shared { of() } else { Touched::default() } })
         };
-        let bound = |planned: &Vec<Planned>| planned.iter().map(bind).collect::<Result<Stage, RunFailure>>();
-        let plan = &self.plan;
-        self.stages = Stages {
-            renew: bound(&plan.renew)?,
-            count_lists: bound(&plan.count_lists)?,
-            fill_lists: bound(&plan.fill_lists)?,
-            ghost_ways: bound(&plan.ghost_ways)?,
-            begin: bound(&plan.begin)?,
-            follow: bound(&plan.follow)?,
-            wrap: bound(&plan.wrap)?,
-            sorting: bound(&plan.sorting)?,
-            ways: bound(&plan.ways)?,
-            strayed: bound(&plan.strayed)?,
-            search: bound(&plan.search)?,
-            mark: bound(&plan.mark)?,
-            search_marked: bound(&plan.search_marked)?,
-            corrected_gradients: bound(&plan.corrected_gradients)?,
-            correct: bound(&plan.correct)?,
-            restore: bound(&plan.restore)?,
-            audit: bound(&plan.audit)?,
-            gradients: bound(&plan.gradients)?,
-            push: bound(&plan.push)?,
-            stress: bound(&plan.stress)?,
-            forces: bound(&plan.forces)?,
-            finish: bound(&plan.finish)?,
-            sections: plan.sections.iter().map(bound).collect::<Result<_, _>>()?,
-            section_sums: plan.section_sums.iter().map(bound).collect::<Result<_, _>>()?,
-            sum_heat: bound(&plan.sum_heat)?,
-            flow_heat: bound(&plan.flow_heat)?,
-            heat_extremes: bound(&plan.heat_extremes)?,
-            ledger: bound(&plan.ledger)?,
-        };
+        self.stages = self.plan.stages.map(bind)?;
         // Reductions requested before may be bound to former columns.
         self.reductions.take();
         Ok(())

@@ -4,6 +4,7 @@ use super::columns::Group;
 use super::kernels::{contact, limits, reduce};
 use super::plan::keeps_lists;
 use super::snapshot::read;
+use super::stages::Stage;
 use super::{GpuEngine, failure, step_numbers};
 use sphorge_engine::model::{AdaptiveSearch, Integrator, Material, Search, WallContact};
 use sphorge_engine::particles::HistoryVariables;
@@ -131,7 +132,7 @@ impl Engine for GpuEngine {
         if self.is_idle() {
             return Ok(());
         }
-        self.launch(&self.stages.begin)?;
+        self.launch(Stage::Begin)?;
         Ok(())
     }
 
@@ -149,9 +150,9 @@ impl Engine for GpuEngine {
         if keeps_lists(&self.model) {
             return self.refresh_kept();
         }
-        self.launch(&self.stages.wrap)?;
-        self.launch(&self.stages.sorting)?;
-        let searches = self.steps == 0 || !self.stages.sorting.is_empty();
+        self.launch(Stage::Wrap)?;
+        self.launch(Stage::Sorting)?;
+        let searches = self.steps == 0 || !self.stages.is_empty(Stage::Sorting);
         Ok(SearchReport { searched_fraction: f64::from(u8::from(searches)) })
     }
 
@@ -163,9 +164,9 @@ impl Engine for GpuEngine {
         if self.is_idle() {
             return Ok(());
         }
-        let corrects = !self.stages.corrected_gradients.is_empty()
+        let corrects = !self.stages.is_empty(Stage::CorrectedGradients)
             && u64::from(self.steps).is_multiple_of(AdaptiveSearch::STRAIN_CORRECTION_STEPS);
-        let due = if corrects { &self.stages.corrected_gradients } else { &self.stages.gradients };
+        let due = if corrects { Stage::CorrectedGradients } else { Stage::Gradients };
         self.launch(due)?;
         Ok(())
     }
@@ -173,28 +174,28 @@ impl Engine for GpuEngine {
     fn restore_density(&mut self) -> Result<(), RunFailure> {
         let due = |n: u64| self.dt > 0.0 && !self.is_idle() && u64::from(self.steps).is_multiple_of(n);
         if self.model.numerics.mls_interval.is_some_and(due) {
-            self.launch(&self.stages.restore)?;
+            self.launch(Stage::Restore)?;
         }
         Ok(())
     }
 
     fn correct_gradients(&mut self) -> Result<(), RunFailure> {
         if self.dt > 0.0 && !self.is_idle() {
-            self.launch(&self.stages.correct)?;
+            self.launch(Stage::Correct)?;
         }
         Ok(())
     }
 
     fn push_faces(&mut self) -> Result<(), RunFailure> {
         if !self.is_idle() {
-            self.launch(&self.stages.push)?;
+            self.launch(Stage::Push)?;
         }
         Ok(())
     }
 
     fn stress(&mut self) -> Result<(), RunFailure> {
         if !self.is_idle() {
-            self.launch(&self.stages.stress)?;
+            self.launch(Stage::Stress)?;
         }
         Ok(())
     }
@@ -202,10 +203,10 @@ impl Engine for GpuEngine {
     fn forces(&mut self) -> Result<(), RunFailure> {
         self.sum_heat()?;
         if !self.is_idle() {
-            self.launch(&self.stages.forces)?;
+            self.launch(Stage::Forces)?;
             if self.sums_sections_with_forces() {
-                for section in &self.stages.sections {
-                    self.launch(section)?;
+                for number in 0..self.model.sections.len() {
+                    self.launch(Stage::Section(number))?;
                 }
             }
         }
@@ -216,7 +217,7 @@ impl Engine for GpuEngine {
         if self.is_idle() {
             self.flow_heat()?;
         } else {
-            self.launch(&self.stages.finish)?;
+            self.launch(Stage::Finish)?;
             self.flow_heat()?;
             self.read_extremes()?;
         }

@@ -22,7 +22,8 @@ use super::kernels::limits::CHUNK;
 use super::kernels::sums::chunk_of;
 use super::kernels::walls::is_total_lagrangian;
 use super::start::make_columns;
-use super::{GpuEngine, Stage, failure};
+use super::stages::Stage;
+use super::{GpuEngine, failure};
 use crate::device::Card;
 use exchange::{Counts, Exchange, Marks};
 use ghosts::{Cells, read_by_others};
@@ -313,7 +314,8 @@ pub(super) fn stride_for(own: usize, ghosts: usize) -> usize {
 
 impl GpuEngine {
     /// Launches the kernels of a stage, and before each exchanges the columns that it reads from ghosts.
-    pub(super) fn launch(&self, stage: &Stage) -> Result<(), RunFailure> {
+    pub(super) fn launch(&self, stage: Stage) -> Result<(), RunFailure> {
+        let stage = self.stages.of(stage);
         let Some(domain) = &self.domain else {
             self.card.launch(stage.iter().map(|staged| &staged.launch));
             return Ok(());
@@ -351,7 +353,7 @@ impl GpuEngine {
         if self.domain.is_none() || !wears_out(&self.model) {
             return Ok(());
         }
-        self.launch(&self.stages.ghost_ways)?;
+        self.launch(Stage::GhostWays)?;
         let ways = self.ways_of_all()?;
         let margin = MARGIN * self.grid.edge;
         let has_images = has_images(&self.model);
