@@ -2,8 +2,9 @@
 
 use super::numerics::TemperatureSource;
 use super::{
-    Body, BodyContact, Dimensions, Formulation, Material, Measure, Numerics, OutputControl, PrescribedMotion, Region,
-    Search, Section, SymmetryPlane, Thermal, TimeControl, Tracer, Wall, WarningLimits,
+    AdaptiveSearch, Body, BodyContact, Dimensions, Formulation, GradientCorrection, Material, Measure, Numerics,
+    OutputControl, PrescribedMotion, Region, Search, Section, SmoothingLength, SymmetryPlane, Thermal, TimeControl,
+    Tracer, Wall, WarningLimits,
 };
 
 /// A whole problem.
@@ -108,6 +109,78 @@ impl Model {
             && self.contact != BodyContact::Sph
             && self.dimensions != Dimensions::One
             && self.periodic.iter().all(Option::is_none)
+    }
+
+    /// Whether sums are those of the reference configuration.
+    pub fn is_total_lagrangian(&self) -> bool {
+        matches!(self.formulation, Formulation::TotalLagrangian { .. })
+    }
+
+    /// Whether a contact acts between bodies, or of a body with itself.
+    pub fn has_contact(&self) -> bool {
+        !self.contact_pairs().is_empty()
+    }
+
+    /// Whether there are images, which move differently from their particles.
+    pub fn has_images(&self) -> bool {
+        !self.symmetry.is_empty() || self.periodic.iter().any(Option::is_some)
+    }
+
+    /// Whether sums use lists of the current configuration, which are kept from one search to the next.
+    pub fn keeps_lists(&self) -> bool {
+        self.formulation == Formulation::UpdatedLagrangian
+    }
+
+    /// The rule of adaptive search, if the model has one.
+    pub fn adaptive_search(&self) -> Option<AdaptiveSearch> {
+        match self.search {
+            Search::Adaptive(rule) => Some(rule),
+            Search::EveryStep | Search::Skin { .. } | Search::Initial => None,
+        }
+    }
+
+    /// Skin of lists of the current configuration, as a share of the support of the kernel.
+    pub fn skin_fraction(&self) -> f64 {
+        match self.search {
+            Search::Skin { fraction } if !self.is_total_lagrangian() => fraction,
+            Search::Skin { .. } | Search::EveryStep | Search::Adaptive(_) | Search::Initial => 0.0,
+        }
+    }
+
+    /// Whether sums over the current configuration use the distances of the last search.
+    pub fn keeps_distances(&self) -> bool {
+        let is_kept = match self.search {
+            Search::EveryStep | Search::Skin { .. } => false,
+            Search::Adaptive(rule) => rule.guard.is_none(),
+            Search::Initial => true,
+        };
+        is_kept && !self.is_total_lagrangian()
+    }
+
+    /// Whether smoothing lengths follow the density.
+    pub fn smoothing_follows_density(&self) -> bool {
+        self.numerics.smoothing_length != SmoothingLength::Constant
+    }
+
+    /// Whether gradients are corrected in the current configuration.
+    pub fn corrects_current_gradients(&self) -> bool {
+        !self.is_total_lagrangian() && self.numerics.gradient_correction != GradientCorrection::None
+    }
+
+    /// Whether heat may be conducted between bodies: where their faces touch.
+    pub fn conducts_between_bodies(&self) -> bool {
+        self.bodies.len() > 1
+    }
+
+    /// Whether heat is conducted to particles of other bodies that are not among the neighbours of the sums.
+    pub fn conducts_across_contact(&self) -> bool {
+        self.conducts_between_bodies() && self.has_contact()
+    }
+
+    /// Whether particles in a contact are sorted by their contact positions: for the overlap, or to find those that heat
+    /// flows to.
+    pub fn sorts_by_contact_positions(&self) -> bool {
+        !self.has_facets() || self.conducts_across_contact()
     }
 
     /// Whether the work of the artificial stress is booked apart: where temperature is that of the energy, of which it is no heat.

@@ -1,7 +1,6 @@
 //! The facets of bodies that meet there, found in double precision in the initial configuration.
 
 use super::columns::Group;
-use super::kernels::conduction::meets_others;
 use super::kernels::facets::{FACET, FACETS};
 use super::kernels::grid::Grid;
 use super::kernels::limits;
@@ -110,7 +109,7 @@ impl GpuEngine {
         self.columns.insert(Group::FacetTable, self.card.numbers(&table).map_err(failure)?);
         self.columns.insert(Group::Facets, self.card.indices(&of_particles).map_err(failure)?);
         // Heat flows between particles that have none, too.
-        if !meets_others(&self.model) {
+        if !self.model.conducts_across_contact() {
             let own = have.partition_point(|i| (*i as usize) < p.len());
             self.columns.insert(Group::Surface, self.card.indices(&have).map_err(failure)?);
             self.own_surface = have[..own].to_vec();

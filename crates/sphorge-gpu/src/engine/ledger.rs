@@ -1,7 +1,6 @@
 //! Conservation sums, taken on the card when asked for.
 
 use super::columns::Group;
-use super::kernels::contact;
 use super::kernels::ledger::{
     ACCOUNTS, ANGULAR, ELASTIC, FORCE, FRACTURE, HELD, INTERNAL, KINETIC, LedgerSums, MEETING, MEETING_ENERGY,
     MOMENTUM, OF_ACCOUNTS, PLACE, PLASTIC, SPEED, numbers,
@@ -130,7 +129,7 @@ impl<'a> Table<'a> {
         let [work, x, y, z, integration_energy, viscous_energy, artificial_stress_energy, hourglass_energy, mls_energy] =
             accounts;
         let walls = 0..self.model.walls.len();
-        let pairs = if contact::meets(self.model) { self.model.contact_pairs() } else { Vec::new() };
+        let pairs = if self.model.has_contact() { self.model.contact_pairs() } else { Vec::new() };
         let wall_force = |wall: usize| [0, 1, 2].map(|a| self.of_all(self.of.wall_forces + 3 * wall + a));
         Ledger {
             bodies,

@@ -9,7 +9,7 @@ use super::kernels::{
     audit, conduction, contact, facets, grid, kept, leapfrog, ledger, limits, moving_least_squares, pairs,
     predictor_corrector, reduce, reductions, reference, reference_forces, smoothing, stress, sums, walls, wrap,
 };
-use super::ranks::wears_out;
+use super::ranks::lifetime::SharedModel;
 use super::search::WAYS_TOGETHER;
 use super::stages::{Stage, Stages};
 use crate::record::KernelFault;
@@ -201,12 +201,12 @@ impl Planner<'_> {
             self.add(Stage::Wrap, wrap);
         }
         self.add_sorting(Stage::Sorting, self.grids.of_kernels, Sorted::Particles, Threads::OfAllHere)?;
-        if keeps_lists(model) {
+        if model.keeps_lists() {
             self.search()?;
         }
         self.add(Stage::Gradients, pairs::weigh(model, stride)?);
         self.add(Stage::Gradients, in_dimension!(model, pairs::gradients, model, false, stride));
-        if pairs::is_corrected(model) && model.numerics.integrator == Integrator::Leapfrog {
+        if model.corrects_current_gradients() && model.numerics.integrator == Integrator::Leapfrog {
             self.add(Stage::Correct, in_dimension!(model, pairs::correct, model, stride));
         }
         if model.numerics.mls_interval.is_some() {
@@ -220,7 +220,7 @@ impl Planner<'_> {
     fn search(&mut self) -> Result<(), KernelFault> {
         let (model, stride, count) = (self.model, self.rows.stride, self.p.len());
         let grid = self.grids.of_kernels;
-        let rule = kept::adaptive(model);
+        let rule = model.adaptive_search();
         let is_guarded = rule.is_some_and(|rule| rule.guard.is_some());
         let since = if is_guarded { Group::FoundAt } else { Group::SearchedAt };
         if model.search != Search::EveryStep {
@@ -239,7 +239,7 @@ impl Planner<'_> {
             }
             self.add_of_parts(Stage::SearchMarked, kept::longest_rows(stride)?);
         }
-        if is_guarded && !pairs::is_corrected(model) {
+        if is_guarded && !model.corrects_current_gradients() {
             self.add(Stage::CorrectedGradients, pairs::weigh(model, stride)?);
             self.add(Stage::CorrectedGradients, in_dimension!(model, pairs::gradients, model, true, stride));
         }
@@ -294,7 +294,7 @@ impl Planner<'_> {
     fn push_faces(&mut self) -> Result<(), KernelFault> {
         let (model, stride, references) = (self.model, self.rows.stride, self.references);
         let Grids { of_kernels: grid, of_facets } = self.grids;
-        let (meets, has_facets) = (contact::meets(model), model.has_facets());
+        let (meets, has_facets) = (model.has_contact(), model.has_facets());
         if has_facets {
             self.add_of_surface(Stage::Push, in_dimension!(model, facets::follow, model, references, stride));
             self.add_sorting(Stage::Push, of_facets, Sorted::WithFacets, Threads::OfSurfaceHere)?;
@@ -322,7 +322,7 @@ impl Planner<'_> {
         if model.has_facets() {
             let press = in_dimension!(model, facets::press, model, of_facets, through, references, stride);
             self.add_of_surface(stage, press);
-        } else if contact::meets(model) {
+        } else if model.has_contact() {
             let press = in_dimension!(model, contact::press, model, grid, through, references, stride);
             self.add_of_surface(stage, press);
         }
@@ -332,7 +332,7 @@ impl Planner<'_> {
     /// The stress of the particles of each material, and data of neighbours that forces read.
     fn stress(&mut self) -> Result<(), KernelFault> {
         let (model, stride, references) = (self.model, self.rows.stride, self.references);
-        let rubs = contact::meets(model) || model.walls.iter().any(Wall::rubs);
+        let rubs = model.has_contact() || model.walls.iter().any(Wall::rubs);
         for k in 0..model.materials.len() {
             let threads = members(self.p, k).len();
             let of_material = |kernel| (threads > 0).then_some(Planned { kernel, threads: Threads::Of(threads) });
@@ -351,7 +351,7 @@ impl Planner<'_> {
         }
         match model.formulation {
             Formulation::UpdatedLagrangian => {
-                if pairs::is_corrected(model) {
+                if model.corrects_current_gradients() {
                     self.add(Stage::Stress, pairs::correct_stress(stride)?);
                 }
             }
@@ -365,7 +365,7 @@ impl Planner<'_> {
     fn forces(&mut self) -> Result<(), KernelFault> {
         let stride = self.rows.stride;
         self.sum_forces(Stage::Forces, None)?;
-        if contact::meets(self.model) {
+        if self.model.has_contact() {
             self.add_of_surface(Stage::Forces, contact::add(stride)?);
         }
         if !self.is_alone() {
@@ -417,7 +417,7 @@ impl Planner<'_> {
         if !model.thermal.conduction {
             return Ok(());
         }
-        if model.has_facets() && conduction::meets_others(model) {
+        if model.has_facets() && model.conducts_across_contact() {
             // In place of the cells of the contact.
             self.stand(Stage::SumHeat)?;
         }
@@ -444,27 +444,20 @@ impl Planner<'_> {
     /// Reduces what stages find in rows of particles about lists and ghosts.
     fn reduce_ways(&mut self) -> Result<(), KernelFault> {
         let (model, are_shared) = (self.model, self.rows.are_shared);
-        if are_shared && wears_out(model) {
+        if are_shared && model.ghosts_expire() {
             let ways = kept::ways(model, Group::GhostsAt, self.p.len(), self.rows.stride)?;
             self.add_of_parts(Stage::GhostWays, ways);
         }
-        if !(keeps_lists(model) || are_shared) {
+        if !(model.keeps_lists() || are_shared) {
             return Ok(());
         }
-        let stages =
-            [Stage::GhostWays, Stage::Ways, Stage::Strayed, Stage::Mark, Stage::Search, Stage::SearchMarked];
+        let stages = [Stage::GhostWays, Stage::Ways, Stage::Strayed, Stage::Mark, Stage::Search, Stage::SearchMarked];
         for stage in stages.into_iter().filter(|stage| !self.stages.is_empty(*stage)).collect::<Vec<_>>() {
             let passes = reduce::reduce(Group::Ways, self.parts(), WAYS_TOGETHER)?;
             self.stages.extend(stage, reduced(passes));
         }
         Ok(())
     }
-}
-
-/// Whether sums use lists of the current configuration, which are kept from one search to the next, so that two sums
-/// share one search.
-pub(super) fn keeps_lists(model: &Model) -> bool {
-    model.formulation == Formulation::UpdatedLagrangian
 }
 
 /// Particles of a material.

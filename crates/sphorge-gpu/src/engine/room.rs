@@ -3,7 +3,6 @@
 use super::failure;
 use super::kernels::grid::Grid;
 use super::kernels::kept;
-use super::plan::keeps_lists;
 use super::renewal::EARLIER;
 use super::search::SPARE;
 use super::segments::numbers as sums;
@@ -25,7 +24,7 @@ fn bytes(model: &Model, count: usize, stride: usize, grid: &Grid) -> f64 {
         }
     };
     let neighbors = model.bodies.iter().map(of_body).fold(0.0, f64::max);
-    let may_grow = keeps_lists(model) || model.formulation.renews();
+    let may_grow = model.keeps_lists() || model.formulation.renews();
     let spare = if may_grow { 1.0 + SPARE } else { 1.0 };
     let columns = columns + of_features(model);
     // Counts, starts and particles of cells, twice.
@@ -40,9 +39,9 @@ fn of_features(model: &Model) -> usize {
     of(model.formulation.renews(), EARLIER)
         // Normals and depths of the surface, and who is of it.
         + of(model.has_faces(), 7)
-        + of(keeps_lists(model), kept::ROWS + kept::SEARCHED_AT)
+        + of(model.keeps_lists(), kept::ROWS + kept::SEARCHED_AT)
         // Marks, candidates and where they were found, and the correction of the strain.
-        + of(kept::adaptive(model).is_some(), 8 + kept::STRAINED + 1)
+        + of(model.adaptive_search().is_some(), 8 + kept::STRAINED + 1)
         // Bodies and motions, starts of lists, and what is reduced to a few rows.
         + 5
 }

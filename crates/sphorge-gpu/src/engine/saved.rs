@@ -5,7 +5,6 @@
 
 use super::GpuEngine;
 use super::columns::Group;
-use super::kernels::kept::follows;
 use super::snapshot::{LISTS, STATE, read};
 use rayon::prelude::*;
 use sphorge_engine::RunFailure;
@@ -41,7 +40,7 @@ impl GpuEngine {
         match group {
             // The initial configuration is that of the deck.
             Group::Reference => self.is_renewed(),
-            Group::Constants => follows(&self.model),
+            Group::Constants => self.model.smoothing_follows_density(),
             Group::SearchedAt => self.model.search != Search::EveryStep,
             _ => self.saves_lists() || !LISTS.contains(&group),
         }

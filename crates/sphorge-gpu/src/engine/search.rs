@@ -3,11 +3,8 @@
 use super::columns::Group;
 use super::kernels::audit;
 use super::kernels::images::Planes;
-use super::kernels::kept::{
-    HIGH, LENGTH, LONGEST, LONGEST_ROW, LOW, MARKED_ROWS, THINNEST_SKIN, WAYS, follows, keeps_distances,
-};
+use super::kernels::kept::{HIGH, LENGTH, LONGEST, LONGEST_ROW, LOW, MARKED_ROWS, THINNEST_SKIN, WAYS};
 use super::kernels::reduce::{self, Together};
-use super::ranks::has_images;
 use super::snapshot::read;
 use super::stages::Stage;
 use super::{GpuEngine, failure};
@@ -82,9 +79,9 @@ impl GpuEngine {
     fn moved_beyond_skin(&self, fraction: f64) -> Result<bool, RunFailure> {
         let smallest = self.model.bodies.iter().map(|body| body.smoothing_length).fold(f64::INFINITY, f64::min);
         let ways = self.ways(Stage::Ways)?;
-        let skin = if follows(&self.model) { ways.skin } else { fraction * smallest };
+        let skin = if self.model.smoothing_follows_density() { ways.skin } else { fraction * smallest };
         let skin = skin.max(0.0) * self.model.numerics.kernel.support();
-        Ok(skin == 0.0 || ways.longest > 0.25 * skin * skin && (has_images(&self.model) || ways.diagonal > skin * skin))
+        Ok(skin == 0.0 || ways.longest > 0.25 * skin * skin && (self.model.has_images() || ways.diagonal > skin * skin))
     }
 
     /// Searches the particles that flow; with the guard also those that strain and contact candidates.
@@ -134,8 +131,7 @@ impl GpuEngine {
     /// that this is necessary: a few times during the perforation of a plate.
     fn refresh_candidates(&mut self) -> Result<(), RunFailure> {
         let reach = self.reach();
-        if self.kept.has_candidates && self.ways(Stage::Ways)?.longest <= ContactCandidates::lasts(reach).powi(2)
-        {
+        if self.kept.has_candidates && self.ways(Stage::Ways)?.longest <= ContactCandidates::lasts(reach).powi(2) {
             return Ok(());
         }
         let place = read(&self.card, &self.columns, Group::Place)?;
@@ -253,7 +249,7 @@ impl GpuEngine {
     pub(super) fn search_again(&mut self) -> Result<(), RunFailure> {
         let column = |group: Group| read(&self.card, &self.columns, group);
         let now = column(Group::Place)?;
-        let lengths = follows(&self.model).then(|| column(Group::Constants)).transpose()?;
+        let lengths = self.model.smoothing_follows_density().then(|| column(Group::Constants)).transpose()?;
         let (then, stride) = (column(Group::SearchedAt)?, self.stride);
         let (place, searched) = then.split_at(6 * stride);
         self.overwrite(Group::Place, place)?;
@@ -297,7 +293,7 @@ impl GpuEngine {
     fn make_room(&mut self, room: u32) -> Result<(), RunFailure> {
         let kept = self.card.zeros(room as usize * self.stride).map_err(failure)?;
         self.columns.insert(Group::Kept, kept);
-        if keeps_distances(&self.model) {
+        if self.model.keeps_distances() {
             let stored = self.card.zeros(3 * room as usize * self.stride).map_err(failure)?;
             self.columns.insert(Group::Stored, stored);
         }

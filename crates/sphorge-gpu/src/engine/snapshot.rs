@@ -1,11 +1,11 @@
 //! State of the card, read back in double precision.
 
 use super::columns::{Columns, Group};
-use super::kernels::{audit, conduction, contact, facets, kept, limits, pairs, walls};
+use super::kernels::{audit, conduction, contact, facets, kept, limits};
 use super::start::motions;
 use super::{GpuEngine, failure};
 use crate::device::Pending;
-use sphorge_engine::model::{Integrator, Model, Search, SmoothingLength};
+use sphorge_engine::model::{Integrator, Model, Search};
 use sphorge_engine::particles::{HistoryVariables, stored_behind};
 use sphorge_engine::{Column, FieldSource, Particles, RunFailure};
 use sphorge_physics::SymmetricTensor;
@@ -15,11 +15,11 @@ use std::sync::Arc;
 
 /// Groups of columns of particles, with their number of columns, that a model needs.
 pub(super) fn fields(model: &Model) -> impl Iterator<Item = (Group, usize)> {
-    let (integrator, is_initial) = (model.numerics.integrator, walls::is_total_lagrangian(model));
-    let is_corrected = pairs::is_corrected(model);
-    let (meets, conducts, audits) = (contact::meets(model), model.thermal.conduction, model.audit.is_some());
+    let (integrator, is_initial) = (model.numerics.integrator, model.is_total_lagrangian());
+    let is_corrected = model.corrects_current_gradients();
+    let (meets, conducts, audits) = (model.has_contact(), model.thermal.conduction, model.audit.is_some());
     let (has_facets, rubs) = (model.has_facets(), model.contact.has_friction());
-    let stands = stands(model);
+    let stands = model.sorts_by_contact_positions();
     let is_needed = move |group: &Group| match group {
         Group::BasePlace | Group::BaseVelocity | Group::BaseDensity => integrator == Integrator::PredictorCorrector,
         Group::Ahead => integrator == Integrator::Leapfrog,
@@ -39,11 +39,6 @@ pub(super) fn fields(model: &Model) -> impl Iterator<Item = (Group, usize)> {
     let variables = HistoryVariables::of(model).variables.len();
     let of_laws = (variables > 0).then_some((Group::History, 2 * variables));
     FIELDS.iter().copied().filter(move |(group, _)| is_needed(group)).chain(of_bodies).chain(of_laws)
-}
-
-/// Whether particles are sorted by their contact positions: those of the overlap, and what heat flows between.
-pub(super) fn stands(model: &Model) -> bool {
-    !model.has_facets() || conduction::meets_others(model)
 }
 
 /// Columns of [`Group::Weight`]; the second is the number of neighbours.
@@ -226,9 +221,9 @@ impl ColumnReader<'_> {
             let tensor = |i: usize| [0, 1, 2].map(|a| [0, 1, 2].map(|b| of(3 * a + b, i)));
             Column::Tensor(rows.clone().map(tensor).collect())
         };
-        let is_initial = walls::is_total_lagrangian(&self.model);
-        let follows = self.model.numerics.smoothing_length != SmoothingLength::Constant;
-        let is_adaptive = kept::adaptive(&self.model).is_some();
+        let is_initial = self.model.is_total_lagrangian();
+        let follows = self.model.smoothing_follows_density();
+        let is_adaptive = self.model.adaptive_search().is_some();
         let column = match field {
             "position" | "velocity" => {
                 let of = group(if field == "position" { Group::Place } else { Group::Velocity })?;

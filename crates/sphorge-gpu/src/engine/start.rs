@@ -5,15 +5,15 @@ use super::facets::Facets;
 use super::kernels::reference::References;
 use super::kernels::smoothing::{AT_START, largest_factor};
 use super::kernels::{conduction, contact, facets, grid, kept, limits, reduce, walls};
-use super::plan::{Grids, Plan, Planned, Rows, Threads, keeps_lists, members};
+use super::plan::{Grids, Plan, Planned, Rows, Threads, members};
 use super::ranks::agreement::made_on_all;
-use super::ranks::kept_rows::keeps_entries;
+use super::ranks::lifetime::SharedModel;
 use super::ranks::touched::{ALL, ColumnSet, Touched};
-use super::ranks::{Domain, choose_at_start, exchange, stride_for, wears_out};
+use super::ranks::{Domain, choose_at_start, exchange, stride_for};
 use super::room::refuse_what_has_no_room;
 use super::search::Kept;
 use super::segments::{self, Segments};
-use super::snapshot::{fields, stands};
+use super::snapshot::fields;
 use super::stages::{Staged, Stages};
 use super::{Gpu, GpuEngine, failure};
 use crate::device::{Array, Card, CardFault};
@@ -51,7 +51,7 @@ impl GpuEngine {
         sort_along_curve(&model, &mut p, grid.edge);
         let mut domain = None;
         if let Some(communicator) = communicator {
-            if p.len() >= MOST && keeps_entries(&model) {
+            if p.len() >= MOST && model.lists_outlast_ghosts() {
                 return Err(failure(format!(
                     "{} particles: lists that are kept can index up to {}",
                     p.len(),
@@ -175,7 +175,7 @@ fn sort_along_curve(model: &Model, p: &mut Particles, cell: f64) {
 
 pub(super) fn grid_of(model: &Model, p: &Particles) -> Grid {
     let largest = p.smoothing_length.iter().fold(0.0f64, |a, h| a.max(*h));
-    let reach = model.numerics.kernel.support() * (1.0 + kept::skin(model));
+    let reach = model.numerics.kernel.support() * (1.0 + model.skin_fraction());
     let edge = MARGIN * reach * largest * largest_factor(model);
     let axes = match model.dimensions {
         Dimensions::One => 1,
@@ -318,7 +318,7 @@ pub(super) fn make_columns(
         for (group, rows) in iter::once((Group::HeatExtremes, rows)).chain(reduce::groups(Group::HeatExtremes, rows)) {
             columns.insert(group, card.zeros(conduction::EXTREMES * rows)?);
         }
-        if conduction::is_joined(model) {
+        if model.conducts_between_bodies() {
             columns.insert(Group::Touched, card.zeros(stride)?);
         }
     }
@@ -332,14 +332,14 @@ pub(super) fn make_columns(
     for group in [Group::Slots, Group::Unsorted, Group::Sorted] {
         columns.insert(group, card.zeros(stride)?);
     }
-    if walls::is_total_lagrangian(model) {
+    if model.is_total_lagrangian() {
         // Room is made when it is known how much.
         columns.insert(Group::ListStarts, card.zeros(count + 1)?);
         columns.insert(Group::List, card.zeros(0)?);
     }
     if model.has_faces() {
         columns.insert(Group::Surface, card.zeros(0)?);
-        if stands(model) {
+        if model.sorts_by_contact_positions() {
             columns.insert(Group::Outward, card.zeros(6 * stride)?);
         }
     }
@@ -350,28 +350,28 @@ pub(super) fn make_columns(
     if is_shared {
         columns.insert(Group::Sends, card.zeros(0)?);
     }
-    if is_shared && wears_out(model) {
+    if is_shared && model.ghosts_expire() {
         columns.insert(Group::GhostsAt, card.zeros(6 * stride)?);
     }
     if numerics.mls_interval.is_some() {
         columns.insert(Group::Restored, card.zeros(stride)?);
     }
-    if keeps_lists(model) {
+    if model.keeps_lists() {
         // Room is made when it is known how much.
         columns.insert(Group::Kept, card.zeros(0)?);
         columns.insert(Group::Rows, card.zeros(kept::ROWS * stride)?);
         columns.insert(Group::SearchedAt, card.zeros(kept::SEARCHED_AT * stride)?);
-        if kept::keeps_distances(model) {
+        if model.keeps_distances() {
             columns.insert(Group::Stored, card.zeros(0)?);
         }
-        if kept::adaptive(model).is_some() {
+        if model.adaptive_search().is_some() {
             columns.insert(Group::Patched, card.zeros(stride)?);
             columns.insert(Group::FoundAt, card.zeros(6 * stride)?);
             columns.insert(Group::Candidates, card.zeros(stride)?);
             columns.insert(Group::StrainCorrection, card.zeros((kept::STRAINED + 1) * stride)?);
         }
     }
-    if keeps_lists(model) || is_shared {
+    if model.keeps_lists() || is_shared {
         for (group, rows) in iter::once((Group::Ways, rows)).chain(reduce::groups(Group::Ways, rows)) {
             columns.insert(group, card.zeros(kept::WAYS * rows)?);
         }

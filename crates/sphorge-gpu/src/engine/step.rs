@@ -1,8 +1,7 @@
 //! The stages of the step.
 
 use super::columns::Group;
-use super::kernels::{contact, limits, reduce};
-use super::plan::keeps_lists;
+use super::kernels::{limits, reduce};
 use super::snapshot::read;
 use super::stages::Stage;
 use super::{GpuEngine, failure, step_numbers};
@@ -147,7 +146,7 @@ impl Engine for GpuEngine {
             return Ok(SearchReport { searched_fraction: 1.0 });
         }
         self.refresh_ghosts()?;
-        if keeps_lists(&self.model) {
+        if self.model.keeps_lists() {
             return self.refresh_kept();
         }
         self.launch(Stage::Wrap)?;
@@ -254,7 +253,7 @@ impl Engine for GpuEngine {
         let limit = |dt, reason| TimeStepLimit { dt, reason };
         let mut least = limit(by_sound, LimitReason::SoundSpeed).min(limit(by_acceleration, LimitReason::Acceleration));
         least = least.min(conduction);
-        if contact::meets(&self.model) {
+        if self.model.has_contact() {
             least = least.min(limit(self.model.time.courant * by_contact, LimitReason::Contact));
         }
         let rate = |b: &sphorge_engine::model::Body| {

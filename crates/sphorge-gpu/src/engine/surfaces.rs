@@ -2,7 +2,7 @@
 
 use super::columns::Group;
 use super::kernels::images::Planes;
-use super::snapshot::{read, stands};
+use super::snapshot::read;
 use super::{GpuEngine, failure};
 use rayon::prelude::*;
 use sphorge_engine::RunFailure;
@@ -13,7 +13,7 @@ use sphorge_physics::tensor::dot;
 impl GpuEngine {
     /// Finds the surface particles and their normals, and copies them to the card; and facets, if bodies meet there.
     pub(super) fn find_surfaces(&mut self) -> Result<(), RunFailure> {
-        if stands(&self.model) {
+        if self.model.sorts_by_contact_positions() {
             self.find_normals()?;
         }
         if self.model.has_facets() { self.find_facets() } else { Ok(()) }
@@ -90,7 +90,7 @@ impl GpuEngine {
             return Ok(());
         }
         self.write_facets()?;
-        if !stands(&self.model) {
+        if !self.model.sorts_by_contact_positions() {
             return Ok(());
         }
         let own = self.initial.len();

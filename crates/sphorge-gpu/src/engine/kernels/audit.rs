@@ -1,13 +1,12 @@
 //! Audit of stored lists or of those of the reference configuration: their sums compared with those over an exact
 //! search.
 
-use super::contact::{SelfContact, meets};
+use super::contact::SelfContact;
 use super::grid::Grid;
 use super::images::Planes;
-use super::kept::{LENGTH, keeps_distances, stored_place};
+use super::kept::{LENGTH, stored_place};
 use super::neighbors::{Pair, different, now, over_cells, places};
 use super::reference::References;
-use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Binder, Fields, Group, Reading, Recording, recording};
 use crate::record::{Index, Indices, KernelFault, Recorded};
 use sphorge_engine::AuditedRow;
@@ -96,7 +95,7 @@ struct Lists {
 impl Lists {
     fn of(bind: &mut Binder<'_>, model: &Model) -> Self {
         let (stride, planes) = (bind.stride(), Planes::of(model));
-        let (lengths, entries, starts) = if is_total_lagrangian(model) {
+        let (lengths, entries, starts) = if model.is_total_lagrangian() {
             ((bind.read(Group::Weight), 1), bind.indices(Group::List), Some(bind.indices(Group::ListStarts)))
         } else {
             ((bind.read(Group::Rows), LENGTH), bind.indices(Group::Kept), None)
@@ -117,7 +116,7 @@ impl Lists {
 pub(in crate::engine) fn of_lists<const D: usize>(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     recording("audit_lists", count, |bind, i| {
         let (points, lists, audit) = (Points::of(bind), Lists::of(bind, model), bind.write(Group::Audit));
-        let stored = keeps_distances(model).then(|| bind.read(Group::Stored));
+        let stored = model.keeps_distances().then(|| bind.read(Group::Stored));
         let (zero, one, own) = (Recorded::zero(), Recorded::one(), places(points.place, i));
         let row = bind.scope.fold(Index::of(0), Index::floor(lists.length(i)), [zero; OF_LIST], |_, mut row, k| {
             let entry = lists.entry(k, i);
@@ -163,7 +162,7 @@ pub(in crate::engine) fn exact<const D: usize>(
                     row[SUMS] += one;
                     let is_foreign = Recorded::select_lt(different(bodies, i, j), half, zero, one);
                     let lacks = lists.lack(i, Planes::entry_of(pair.bits, j));
-                    let mut missed = if meets(model) { lacks * (one - is_foreign) } else { lacks };
+                    let mut missed = if model.has_contact() { lacks * (one - is_foreign) } else { lacks };
                     if let Some(itself) = itself {
                         missed = missed * (one - itself.press::<D>(model, i, pair, j, soon_different_sides));
                     }

@@ -1,11 +1,9 @@
 //! Heat conduction between particles and through boundaries, with the temperatures of the start of the step.
 
-use super::contact;
 use super::grid::Grid;
 use super::images::{Image, split};
 use super::neighbors::{Pair, apart, different, now, over_cells, over_list, over_present_neighbors, places};
 use super::reduce::{Together, over_particles, rows};
-use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Binder, Fields, Group, Reading, Recording, recording};
 use crate::engine::step_numbers::DT;
 use crate::record::{Index, Indices, KernelFault, Recorded};
@@ -73,24 +71,14 @@ pub(in crate::engine) fn sums<const D: usize>(
     count: usize,
 ) -> Result<Vec<Recording>, KernelFault> {
     let mut kernels = Vec::new();
-    if is_joined(model) {
+    if model.conducts_between_bodies() {
         kernels.push(touch::<D>(model, grid, count)?);
     }
-    if is_total_lagrangian(model) {
+    if model.is_total_lagrangian() {
         kernels.push(flow_of_deformation::<D>(model, count)?);
     }
     kernels.push(sum::<D>(model, grid, count)?);
     Ok(kernels)
-}
-
-/// Whether heat is conducted between bodies whose faces touch.
-pub(in crate::engine) fn is_joined(model: &Model) -> bool {
-    model.bodies.len() > 1
-}
-
-/// Whether particles of other bodies are searched in the cells because they are not among the neighbours of the sums.
-pub(in crate::engine) fn meets_others(model: &Model) -> bool {
-    is_joined(model) && contact::meets(model)
 }
 
 /// Particle data that heat conduction reads.
@@ -108,7 +96,7 @@ struct Points {
 
 impl Points {
     fn of(bind: &mut Binder<'_>, model: &Model) -> Self {
-        let faces = meets_others(model) && model.has_faces();
+        let faces = model.conducts_across_contact() && model.has_faces();
         Self {
             place: bind.read(Group::Place),
             constants: bind.read(Group::Constants),
@@ -201,7 +189,7 @@ fn touch<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Rec
             Recorded::if_lt(r2, bound, || [r2, body], || state)
         };
         let start = [Recorded::of(BEYOND), Recorded::zero()];
-        let found = if meets_others(model) {
+        let found = if model.conducts_across_contact() {
             points.over_others::<_, D>(bind, model, grid, i, start, nearest)
         } else {
             let near = (points.place, points.constants);
@@ -238,7 +226,7 @@ fn sum<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recor
     recording("sum_heat", count, |bind, i| {
         let (points, heat) = (Points::of(bind, model), bind.write(Group::Heat));
         let through = (!boundaries.is_empty()).then(|| bind.write(Group::Boundaries));
-        let touched = is_joined(model).then(|| bind.indices(Group::Touched));
+        let touched = model.conducts_between_bodies().then(|| bind.indices(Group::Touched));
         let volume = points.volume(i);
         // Particles of one body, or of two whose faces touch at one of the particles.
         let are_joined = |j: Index| {
@@ -261,7 +249,7 @@ fn sum<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recor
             Recorded::if_lt(are_joined(j), Recorded::of(0.5), add, || state)
         };
         let start = numbers(Inflow::zero());
-        let mut sums = if is_total_lagrangian(model) {
+        let mut sums = if model.is_total_lagrangian() {
             let near = (bind.read(Group::Reference), points.constants);
             let better = best_flow(&bind.read(Group::Deformation).tensor(0, i));
             let own = heat.vector(FLOW, i);
@@ -278,7 +266,7 @@ fn sum<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recor
             let near = (points.place, points.constants);
             over_present_neighbors::<_, D>(bind, model, i, near, start, add)
         };
-        if meets_others(model) {
+        if model.conducts_across_contact() {
             sums = points.over_others::<_, D>(bind, model, grid, i, sums, add);
         }
         let mut sum = inflow(sums);

@@ -30,11 +30,6 @@ pub(in crate::engine) const WORKS: [(usize, usize); 3] = [(6, 3), (8, 4), (10, 5
 /// Numbers of the law of two bodies, the last of them the share of the heat of friction that the first receives.
 const LAW: usize = 6;
 
-/// Whether there is a contact.
-pub(in crate::engine) fn meets(model: &Model) -> bool {
-    !model.contact_pairs().is_empty()
-}
-
 /// Calls a function for every body with its index.
 pub(super) fn each_body(bodies: usize, act: impl Fn(Index)) {
     Recorded::iterate([Recorded::zero()], |[body]| {
@@ -57,7 +52,7 @@ pub(in crate::engine) fn laws(model: &Model) -> Option<Vec<f32>> {
         [inverse_sums.0, inverse_sums.1, modulus, damping, friction, laws.friction_share(a, b)]
     };
     let pairs = (0..count).flat_map(|a| (0..count).map(move |b| (a, b)));
-    meets(model).then(|| pairs.flat_map(|(a, b)| numbers(a, b)).map(|number| number as f32).collect())
+    model.has_contact().then(|| pairs.flat_map(|(a, b)| numbers(a, b)).map(|number| number as f32).collect())
 }
 
 /// A number of the law of a pair of bodies.

@@ -4,11 +4,10 @@ use super::grid::Grid;
 use super::images::Planes;
 use super::neighbors::{Pair, over_own_body, searched};
 use super::reduce::{over_particles, rows};
-use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Binder, Fields, Group, NOTHING, Reading, Recording, Writing, recording};
 use crate::engine::step_numbers::{NUMBER, ROOM};
 use crate::record::{Index, IndexOutput, KernelFault, Recorded};
-use sphorge_engine::model::{AdaptiveSearch, Model, Search, SmoothingLength};
+use sphorge_engine::model::{AdaptiveSearch, Model};
 use sphorge_physics::tensor::dot;
 use sphorge_physics::{Elementary, Real};
 
@@ -44,37 +43,6 @@ pub(in crate::engine) const WAYS: usize = 10;
 /// Farther than anything moves, m.
 const BEYOND: f64 = 1e30;
 
-/// The rule of adaptive search, if the model has one.
-pub(in crate::engine) fn adaptive(model: &Model) -> Option<AdaptiveSearch> {
-    match model.search {
-        Search::Adaptive(rule) => Some(rule),
-        Search::EveryStep | Search::Skin { .. } | Search::Initial => None,
-    }
-}
-
-/// Whether smoothing lengths follow the density.
-pub(in crate::engine) fn follows(model: &Model) -> bool {
-    model.numerics.smoothing_length != SmoothingLength::Constant
-}
-
-/// Skin of the lists over the kernel support.
-pub(in crate::engine) fn skin(model: &Model) -> f64 {
-    match model.search {
-        Search::Skin { fraction } if !is_total_lagrangian(model) => fraction,
-        Search::Skin { .. } | Search::EveryStep | Search::Adaptive(_) | Search::Initial => 0.0,
-    }
-}
-
-/// Whether sums use the distances of the last search.
-pub(in crate::engine) fn keeps_distances(model: &Model) -> bool {
-    let is_kept = match model.search {
-        Search::EveryStep | Search::Skin { .. } => false,
-        Search::Adaptive(rule) => rule.guard.is_none(),
-        Search::Initial => true,
-    };
-    is_kept && !is_total_lagrangian(model)
-}
-
 /// Lists that are written.
 #[derive(Clone, Copy)]
 struct Rows {
@@ -92,7 +60,7 @@ impl Rows {
         Self {
             rows: bind.write(Group::Rows),
             kept: bind.index_output(Group::Kept),
-            stored: keeps_distances(model).then(|| bind.write(Group::Stored)),
+            stored: model.keeps_distances().then(|| bind.write(Group::Stored)),
             stride: bind.stride(),
             room: step.get(0, Index::of(ROOM)),
             step,
@@ -150,10 +118,10 @@ pub(in crate::engine) fn search<const D: usize>(
         for k in 0..6 {
             searched_at.set(k, i, near.0.get(k, i));
         }
-        if follows(model) {
+        if model.smoothing_follows_density() {
             searched_at.set(6, i, near.1(i));
         }
-        if adaptive(model).is_some() {
+        if model.adaptive_search().is_some() {
             rows.rows.set_all(MARKED, i, &[one, zero, zero, rows.step.get(0, Index::of(NUMBER))]);
         }
     })
@@ -289,8 +257,8 @@ pub(in crate::engine) fn ways(
     let name = if since == Group::FoundAt { "ways_of_candidates" } else { "ways" };
     recording(name, count, |bind, row| {
         let (place, searched_at) = (bind.read(Group::Place), bind.read(since));
-        let length = follows(model).then(|| searched(model, bind.read(Group::Constants)));
-        let wide = Recorded::of(1.0 + skin(model));
+        let length = model.smoothing_follows_density().then(|| searched(model, bind.read(Group::Constants)));
+        let wide = Recorded::of(1.0 + model.skin_fraction());
         let ways = bind.write(Group::Ways);
         let (zero, far) = (Recorded::zero(), Recorded::of(BEYOND));
         let start = [zero, far, far, far, -far, -far, -far, far];

@@ -38,7 +38,7 @@ impl Kicks {
             energy: bind.write(Group::Energy),
             accounts: bind.write(Group::Accounts),
             walls: (count > 0).then(|| (bind.write(Group::Walls), count)),
-            meetings: contact::meets(model).then(|| (bind.write(Group::Meetings), model.bodies.len())),
+            meetings: model.has_contact().then(|| (bind.write(Group::Meetings), model.bodies.len())),
             constants: bind.read(Group::Constants),
         }
     }

@@ -2,7 +2,7 @@
 
 use super::reference::References;
 use super::sums::{Lane, Portions, Term, given, of_columns, of_lanes};
-use super::walls::{AtWall, Deformed, is_total_lagrangian, of_wall};
+use super::walls::{AtWall, Deformed, of_wall};
 use super::{conduction, contact, facets, walls};
 use crate::engine::columns::{Fields, Group, NOTHING, Recording, recording};
 use crate::record::{Double, Index, KernelFault, Recorded};
@@ -64,7 +64,7 @@ impl LedgerSums {
         let wall_forces = walls + walls::SUMS * model.walls.len();
         let heat = wall_forces + 3 * model.walls.len();
         let meetings = heat + if model.thermal.conduction { 1 + model.thermal.boundaries.len() } else { 0 };
-        let count = meetings + if contact::meets(model) { MEETING * model.bodies.len() } else { 0 };
+        let count = meetings + if model.has_contact() { MEETING * model.bodies.len() } else { 0 };
         Self { walls, wall_forces, heat, meetings, count }
     }
 }
@@ -111,7 +111,7 @@ pub(in crate::engine) fn ledger(
         let supplied = (0..model.thermal.boundaries.len()).map(|k| conduction::BOUNDARY * k + conduction::SUPPLIED);
         add(Group::Boundaries, &supplied.map(pairs).collect::<Vec<_>>(), of.heat + 1)?;
     }
-    if contact::meets(model) {
+    if model.has_contact() {
         kernels.push(meetings(model.bodies.len(), (portions, of.meetings), count)?);
     }
     for wall in 0..model.walls.len() {
@@ -231,7 +231,7 @@ fn wall_force(
         let (lane, numbers) = (Lane::of(bind, portions, thread), bind.read(Group::SumNumbers));
         let (place, evaluated) = (bind.read(Group::Place), bind.read(Group::Evaluated));
         let constants = bind.read(Group::Constants);
-        let deformation = is_total_lagrangian(model).then(|| {
+        let deformation = model.is_total_lagrangian().then(|| {
             let earlier = (references == References::Renewed).then(|| bind.read(Group::Earlier));
             (bind.read(Group::Deformation), earlier, bind.read(Group::Gradient))
         });

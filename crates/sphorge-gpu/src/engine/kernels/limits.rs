@@ -2,7 +2,6 @@
 
 use super::motion::Motions;
 use super::reduce::{Together, carry, over_particles, rows};
-use super::walls::is_total_lagrangian;
 use super::{contact, facets};
 use crate::engine::columns::{Fields, Group, Recording, recording};
 use crate::engine::step_numbers::DT;
@@ -48,7 +47,7 @@ pub(in crate::engine) fn of_particles(model: &Model, count: usize) -> Result<Rec
         let (deviator, temperature) = (bind.read(Group::Deviator), bind.read(Group::Temperature));
         let limits = bind.write(Group::Limits);
         let (h, rho) = (constants.get(1, i), density.get(0, i));
-        let stretch = is_total_lagrangian(model).then(|| bind.read(Group::Stretch));
+        let stretch = model.is_total_lagrangian().then(|| bind.read(Group::Stretch));
         let shortest = stretch.map_or(h, |stretch| limiting_length(h, stretch.get(0, i)));
         let courant = Recorded::of(model.time.courant);
         let speed = longitudinal_speed(pressure.get(1, i), pressure.get(2, i), rho);
@@ -86,7 +85,7 @@ pub(in crate::engine) fn of_particles(model: &Model, count: usize) -> Result<Rec
         limits.set(0, i, sound_limit(shortest, speed, rates.get(6, i), courant));
         limits.set(1, i, by_acceleration);
         let mut by_contact = || bind.read(Group::Contact).get(contact::LIMIT, i);
-        limits.set(2, i, if contact::meets(model) { by_contact() } else { Recorded::of(BEYOND) });
+        limits.set(2, i, if model.has_contact() { by_contact() } else { Recorded::of(BEYOND) });
         limits.set_all(LIMITS, i, &[change.density, change.stretch, change.energy, change.jump, one - sound]);
         limits.set(STRETCHED, i, stretch.map_or(zero, |stretch| stretch.get(2, i)));
         let mut reach = || bind.read(Group::FacetMotion).get(facets::REACH, i);

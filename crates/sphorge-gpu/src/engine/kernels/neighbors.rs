@@ -1,9 +1,8 @@
 //! Neighbours over which a particle sums: those in the cells around its own, or those of a list.
 
-use super::contact::meets;
 use super::grid::Grid;
 use super::images::{Image, Planes};
-use super::kept::{LENGTH, adaptive, follows, keeps_distances, stored_place};
+use super::kept::{LENGTH, stored_place};
 use super::smoothing::AT_START;
 use crate::engine::columns::{Binder, Fields, Group, Reading};
 use crate::record::{Index, Indices, Recorded};
@@ -76,7 +75,7 @@ pub(super) fn searched(model: &Model, constants: Reading) -> impl Fn(Index) -> R
 
 /// Whether lists are searched farther than kernels reach.
 fn is_raised(model: &Model) -> bool {
-    meets(model) && follows(model)
+    model.has_contact() && model.smoothing_follows_density()
 }
 
 /// Folds a state over every neighbour within the reach of the cells, by smoothing lengths (m), without the particle
@@ -145,7 +144,7 @@ pub(super) fn strays(model: &Model) -> f64 {
     let of_ends = match model.periodic.iter().all(Option::is_none) {
         true => 1.0,
         false if model.formulation.renews() => 2.0,
-        false => adaptive(model).map_or(1.0, |_| 1.0 + AdaptiveSearch::IMAGE_MARGIN),
+        false => model.adaptive_search().map_or(1.0, |_| 1.0 + AdaptiveSearch::IMAGE_MARGIN),
     };
     if model.symmetry.is_empty() { of_ends } else { f64::max(of_ends, 2.0) }
 }
@@ -160,7 +159,7 @@ pub(super) fn over_neighbors<S: Numbers<Recorded>, const D: usize>(
     start: S,
     add: impl Fn(S, &Pair, Index) -> S,
 ) -> S {
-    let stored = keeps_distances(model).then(|| bind.read(Group::Stored));
+    let stored = model.keeps_distances().then(|| bind.read(Group::Stored));
     over_rows::<S, D>(bind, model, i, (place, constants), stored, start, add)
 }
 
@@ -219,7 +218,7 @@ pub(super) fn over_own_body<S: Numbers<Recorded>, const D: usize>(
     start: S,
     add: impl Fn(S, &Pair, Index) -> S,
 ) -> S {
-    let bodies = (meets(model) && model.bodies.len() > 1).then(|| bind.indices(Group::Body));
+    let bodies = (model.has_contact() && model.bodies.len() > 1).then(|| bind.indices(Group::Body));
     over_cells::<S, D>(bind, model, grid, i, near, start, |state, pair, j| match bodies {
         None => add(state, pair, j),
         Some(of) => Recorded::if_lt(different(of, i, j), Recorded::of(0.5), || add(state, pair, j), || state),

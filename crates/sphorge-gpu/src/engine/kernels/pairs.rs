@@ -4,11 +4,10 @@ use super::kept;
 use super::motion::Motions;
 use super::neighbors::{Pair, over_neighbors};
 use super::section::{Crossing, Through};
-use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Fields, Group, Recording, added, recording};
 use crate::engine::step_numbers::{DT, HALF};
 use crate::record::{Index, KernelFault, Recorded};
-use sphorge_engine::model::{GradientCorrection, Integrator, Model};
+use sphorge_engine::model::{Integrator, Model};
 use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, corrected, gradient_correction};
 use sphorge_physics::kick::earlier;
 use sphorge_physics::pair::{
@@ -55,11 +54,6 @@ impl Numbers<Recorded> for Gradients {
     }
 }
 
-/// Whether gradients are corrected in the current configuration.
-pub(in crate::engine) fn is_corrected(model: &Model) -> bool {
-    !is_total_lagrangian(model) && model.numerics.gradient_correction != GradientCorrection::None
-}
-
 /// Velocity gradient and density. With leapfrog the gradient is computed at the positions of mid-step, to which its
 /// velocities belong, over the pairs at the end of the step.
 pub(in crate::engine) fn gradients<const D: usize>(
@@ -69,7 +63,7 @@ pub(in crate::engine) fn gradients<const D: usize>(
 ) -> Result<Recording, KernelFault> {
     let numerics = &model.numerics;
     let kernel = numerics.kernel;
-    let is_guarded = kept::adaptive(model).is_some_and(|rule| rule.guard.is_some());
+    let is_guarded = model.adaptive_search().is_some_and(|rule| rule.guard.is_some());
     recording(if corrects_strain { "gradients_and_moments" } else { "gradients" }, count, |bind, i| {
         let near = (bind.read(Group::Place), bind.read(Group::Constants));
         let (velocity, weight) = (bind.read(Group::Velocity), bind.write(Group::Weight));
@@ -82,13 +76,13 @@ pub(in crate::engine) fn gradients<const D: usize>(
         let smoothed = |of: Index| rates.map_or([Recorded::zero(); 3], |rates| rates.vector(3, of));
         let own_smoothed = smoothed(i);
         let zero = Recorded::zero();
-        let has_moment = corrects_strain || is_corrected(model);
+        let has_moment = corrects_strain || model.corrects_current_gradients();
         let start = Gradients { gradient: [[zero; 3]; 3], moment: has_moment.then_some([[zero; 3]; 3]), inside: zero };
         let sums = over_neighbors::<_, D>(bind, model, i, near, start, |mut state: Gradients, pair, j| {
             let other = pair.image.vector(velocity.vector(0, j));
             let v = [0, 1, 2].map(|a| other[a] - own[a]);
             let (mut x, mut r2) = (pair.x, pair.r2);
-            if numerics.integrator == Integrator::Leapfrog && !kept::keeps_distances(model) {
+            if numerics.integrator == Integrator::Leapfrog && !model.keeps_distances() {
                 let other_smoothed = pair.image.vector(smoothed(j));
                 r2 = Recorded::zero();
                 for a in 0..D {
@@ -118,14 +112,14 @@ pub(in crate::engine) fn gradients<const D: usize>(
             gradient_correction(&scaled(moment), model.dimensions.into(), Recorded::of(LARGEST_COMPONENT))
         };
         let mut l = scaled(sums.gradient);
-        if let Some(moment) = sums.moment.filter(|_| is_corrected(model)) {
+        if let Some(moment) = sums.moment.filter(|_| model.corrects_current_gradients()) {
             let b = correction_of(moment);
             bind.write(Group::Correction).set_all(0, i, b.as_flattened());
             l = corrected(&l, &b);
         }
         gradient.set_all(0, i, l.as_flattened());
         weight.set(1, i, sums.inside);
-        if is_guarded && is_corrected(model) {
+        if is_guarded && model.corrects_current_gradients() {
             let strain = step.get(0, Index::of(DT)) * strain_rate(&l);
             bind.write(Group::StrainCorrection).set(kept::STRAINED, i, strain);
         } else if is_guarded {
@@ -219,7 +213,7 @@ pub(in crate::engine) fn forces<const D: usize>(
         let (own, rho) = (evaluated.vector(0, i), density.get(0, i));
         let (stress, repulsion) = (packed.symmetric(0, i), packed.symmetric(6, i));
         let (switch, sound_speed) = (packed.get(12, i), packed.get(13, i));
-        let products = is_corrected(model).then(|| bind.read(Group::CorrectedStress));
+        let products = model.corrects_current_gradients().then(|| bind.read(Group::CorrectedStress));
         let start = [Recorded::zero(); 10];
         let add = |mut state: [Recorded; 10], pair: &Pair, j: Index| {
             let other = pair.image.vector(evaluated.vector(0, j));

@@ -3,10 +3,9 @@
 use super::quantities::{Number, is_known};
 use super::reference::References;
 use super::sums::{Lane, Portions, given};
-use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Binder, Fields, Group, Reading, Recording, recording};
 use crate::record::{Double, Index, Indices, KernelFault, Recorded};
-use sphorge_engine::model::{MeasureKind, Model, ParticleSelection, SmoothingLength, TemperatureSource};
+use sphorge_engine::model::{MeasureKind, Model, ParticleSelection, TemperatureSource};
 use sphorge_engine::reduction::{AGAINST, Looked, Quantity, Suspicion, reach};
 use sphorge_physics::tensor::{dot, identity};
 use sphorge_physics::{Elementary, Real, Vector};
@@ -238,7 +237,7 @@ struct Reach {
 
 impl Reach {
     fn of(bind: &mut Binder<'_>, model: &Model, references: References) -> Self {
-        let deformation = is_total_lagrangian(model).then(|| bind.read(Group::Deformation));
+        let deformation = model.is_total_lagrangian().then(|| bind.read(Group::Deformation));
         let is_renewed = deformation.is_some() && references == References::Renewed;
         Self { deformation, earlier: is_renewed.then(|| bind.read(Group::Earlier)) }
     }
@@ -292,7 +291,7 @@ impl Reduced<'_> {
                 let (constants, number) = (bind.read(Group::Constants), Number::of(bind, model, quantity));
                 let given = Given::of(bind);
                 let (point, at_start) = (given.point(), given.of_body(body, SMOOTHING));
-                let follows = model.numerics.smoothing_length != SmoothingLength::Constant;
+                let follows = model.smoothing_follows_density();
                 let dimensions = model.dimensions.count();
                 Box::new(move |i| {
                     let x = place.doubles(0, i);

@@ -1,7 +1,6 @@
 //! Forces of the total Lagrangian form: the sum of the stress in the reference configuration, and the hourglass
 //! springs.
 
-use super::contact;
 use super::neighbors::{Pair, over_list, places};
 use super::reference::less_identity;
 use super::section::{Crossing, Through};
@@ -20,7 +19,7 @@ pub(in crate::engine) fn pull_back(model: &Model, hourglass: f64, count: usize) 
         let (packed, deformation) = (bind.write(Group::Packed), bind.read(Group::Deformation));
         let correction = bind.read(Group::Correction);
         let f = deformation.tensor(0, i);
-        let face_stress = match model.walls.is_empty() && !contact::meets(model) {
+        let face_stress = match model.walls.is_empty() && !model.has_contact() {
             true => [[Recorded::zero(); 3]; 3],
             false => bind.read(Group::FaceStress).tensor(0, i),
         };

@@ -3,7 +3,6 @@
 use super::kick::ARTIFICIAL_WORK;
 use super::pairs::compressed;
 use super::reference::{Deformations, References};
-use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Fields, Group, Recording, added, recording};
 use crate::engine::step_numbers::{DT, END, HALF};
 use crate::record::{Double, Index, KernelFault, Recorded};
@@ -252,7 +251,7 @@ pub(in crate::engine) fn stress(
         }
         let (packed, constants) = (bind.write(Group::Packed), bind.read(Group::Constants));
         let mut pressure = state.pressure;
-        if is_total_lagrangian(model) {
+        if model.is_total_lagrangian() {
             let (stretch, accounts) = (bind.write(Group::Stretch), bind.write(Group::Accounts));
             let parameters = ViscosityParameters {
                 alpha: Recorded::of(numerics.viscosity_alpha),

@@ -1,12 +1,11 @@
 //! Walls and gravity.
 
-use super::contact;
 use super::reference::{Deformations, References};
 use super::smoothing::AT_START;
 use crate::engine::columns::{Fields, Group, Recording, recording};
 use crate::engine::step_numbers::{DT, GRAVITY, WALL_LENGTH, WALLS};
 use crate::record::{Index, KernelFault, Recorded};
-use sphorge_engine::model::{Formulation, Model, Wall, WallContact, WallSurface};
+use sphorge_engine::model::{Model, Wall, WallContact, WallSurface};
 use sphorge_physics::tensor::apply;
 use sphorge_physics::total_lagrangian::MeetingPoint;
 use sphorge_physics::wall::{FacePush, FacePushes, Gap, PenaltyParameters, WallPush, monaghan_kos, penalty_contact};
@@ -25,8 +24,8 @@ pub(in crate::engine) fn push(model: &Model, references: References, count: usiz
         let (constants, step) = (bind.read(Group::Constants), bind.read(Group::Step));
         let external = bind.write(Group::External);
         let walls = (!model.walls.is_empty()).then(|| bind.write(Group::Walls));
-        let is_deformed = is_total_lagrangian(model) && walls.is_some();
-        let has_faces = is_total_lagrangian(model) && (walls.is_some() || contact::meets(model));
+        let is_deformed = model.is_total_lagrangian() && walls.is_some();
+        let has_faces = model.is_total_lagrangian() && (walls.is_some() || model.has_contact());
         let deformed = is_deformed.then(|| {
             let (f, l) = (Deformations::of(bind, references), bind.read(Group::Gradient));
             Deformed { whole: f.whole(i), earlier: f.earlier(i), velocity_gradient: l.tensor(0, i) }
@@ -62,11 +61,6 @@ pub(in crate::engine) fn push(model: &Model, references: References, count: usiz
             face_stress.set_all(0, i, pushes.stress(mass, reference.get(6, i)).as_flattened());
         }
     })
-}
-
-/// Whether sums are those of the reference configuration.
-pub(in crate::engine) fn is_total_lagrangian(model: &Model) -> bool {
-    matches!(model.formulation, Formulation::TotalLagrangian { .. })
 }
 
 /// Adds these to acceleration and energy rate.

@@ -1,24 +1,17 @@
 //! Lists that remain valid when ghosts change: their entries are converted to indices in the common order, which are
 //! the same on all ranks.
 
-use super::{Domain, Lasting, lasting};
+use super::Domain;
 use crate::engine::columns::Group;
 use crate::engine::kernels::images::Planes;
 use crate::engine::kernels::kept::LENGTH;
-use crate::engine::plan::keeps_lists;
 use crate::engine::snapshot::read;
 use crate::engine::{GpuEngine, failure};
 use sphorge_engine::RunFailure;
-use sphorge_engine::model::{Model, Search};
 use std::collections::{BTreeSet, HashMap};
 
 /// By particle, the entries of its list.
 pub(in crate::engine) type Entries = Vec<Vec<u32>>;
-
-/// Whether ghosts can change while lists are kept.
-pub(in crate::engine) fn keeps_entries(model: &Model) -> bool {
-    keeps_lists(model) && model.search != Search::EveryStep && lasting(model) == Lasting::Margin
-}
 
 impl Domain {
     /// The index in the common order of a particle or ghost here.

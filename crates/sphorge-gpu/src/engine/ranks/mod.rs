@@ -13,22 +13,21 @@ pub(super) mod agreement;
 pub(super) mod exchange;
 mod ghosts;
 pub(super) mod kept_rows;
+pub(super) mod lifetime;
 mod part;
 pub(super) mod touched;
 
 use super::columns::{Columns, Group};
-use super::kernels::contact;
 use super::kernels::limits::CHUNK;
 use super::kernels::sums::chunk_of;
-use super::kernels::walls::is_total_lagrangian;
-use super::start::make_columns;
 use super::stages::Stage;
+use super::start::make_columns;
 use super::{GpuEngine, failure};
 use crate::device::Card;
 use exchange::{Counts, Exchange, Marks};
 use ghosts::{Cells, read_by_others};
-use kept_rows::keeps_entries;
-use sphorge_engine::model::{Dimensions, Search};
+use lifetime::{GhostLifetime, SharedModel};
+use sphorge_engine::model::Dimensions;
 use sphorge_engine::ranks::Ranks;
 use sphorge_engine::{Model, Particles, RunFailure};
 use sphorge_physics::Vector;
@@ -279,34 +278,6 @@ fn existing(columns: &Columns, group: Group, stride: usize) -> u128 {
     if count >= ALL.count_ones() as usize { ALL } else { (1 << count) - 1 }
 }
 
-/// When ghosts change.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Lasting {
-    /// They belong to each search.
-    OneSearch,
-    /// Until particles have moved by the margin.
-    Margin,
-    /// They belong to the reference configuration.
-    OneReference,
-}
-
-fn lasting(model: &Model) -> Lasting {
-    // Particles that are searched in the cells besides those in the lists.
-    let searches_present = contact::meets(model) || model.audit.is_some();
-    match model.search {
-        Search::Skin { .. } => Lasting::OneSearch,
-        Search::Initial if searches_present => Lasting::Margin,
-        Search::Initial if is_total_lagrangian(model) => Lasting::OneReference,
-        Search::Initial => Lasting::OneSearch,
-        Search::EveryStep | Search::Adaptive(_) => Lasting::Margin,
-    }
-}
-
-/// Whether ghosts have to be chosen again because particles have moved too far.
-pub(super) fn wears_out(model: &Model) -> bool {
-    lasting(model) == Lasting::Margin
-}
-
 /// Length of the columns of a rank with these numbers of particles and ghosts.
 pub(super) fn stride_for(own: usize, ghosts: usize) -> usize {
     (own + ghosts + (SPARE * ghosts as f64) as usize).div_ceil(CHUNK) * CHUNK
@@ -350,13 +321,13 @@ impl GpuEngine {
     /// Chooses ghosts again if particles have moved so far that others may have become neighbours. Lists of the
     /// reference configuration are then built again.
     pub(super) fn refresh_ghosts(&mut self) -> Result<(), RunFailure> {
-        if self.domain.is_none() || !wears_out(&self.model) {
+        if self.domain.is_none() || !self.model.ghosts_expire() {
             return Ok(());
         }
         self.launch(Stage::GhostWays)?;
         let ways = self.ways_of_all()?;
         let margin = MARGIN * self.grid.edge;
-        let has_images = has_images(&self.model);
+        let has_images = self.model.has_images();
         if ways.longest > 0.25 * margin * margin && (has_images || ways.diagonal > margin * margin) {
             self.choose_ghosts()?;
             self.make_lists_anew()?;
@@ -366,7 +337,7 @@ impl GpuEngine {
 
     /// The same before a search whose ghosts are used until the next one.
     pub(super) fn choose_ghosts_of_search(&mut self) -> Result<(), RunFailure> {
-        if self.domain.is_some() && lasting(&self.model) == Lasting::OneSearch {
+        if self.domain.is_some() && self.model.ghost_lifetime() == GhostLifetime::OneSearch {
             self.choose_ghosts()?;
         }
         Ok(())
@@ -385,7 +356,7 @@ impl GpuEngine {
         let cells = cells(&self.model, self.grid_of_facets().edge);
         let entries = match self.loaded_kept.take() {
             Some(kept) => Some(self.loaded_entries(&kept)?),
-            None if keeps_entries(&self.model) && self.kept.is_made => Some(self.kept_entries()?),
+            None if self.model.lists_outlast_ghosts() && self.kept.is_made => Some(self.kept_entries()?),
             None => None,
         };
         let Some(domain) = &mut self.domain else { return Ok(()) };
@@ -408,7 +379,7 @@ impl GpuEngine {
         domain.forget(&self.columns, self.stride);
         let sends = self.card.indices(&domain.sends()).map_err(failure)?;
         self.columns.insert(Group::Sends, sends);
-        if wears_out(&self.model) {
+        if self.model.ghosts_expire() {
             let place = super::snapshot::read(&self.card, &self.columns, Group::Place)?;
             if let Some(array) = self.columns.array(Group::GhostsAt) {
                 self.card.write(array, &place);
@@ -458,20 +429,15 @@ impl GpuEngine {
     }
 }
 
-/// Whether there are images, which move differently from their particles.
-pub(super) fn has_images(model: &Model) -> bool {
-    !model.symmetry.is_empty() || model.periodic.iter().any(Option::is_some)
-}
-
 /// The sets of positions in which neighbours are searched.
 fn sets(
     model: &Model,
     present: impl FnOnce() -> Result<Vec<Vector<f64>>, RunFailure>,
     reference: impl FnOnce() -> Result<Vec<Vector<f64>>, RunFailure>,
 ) -> Result<Vec<Vec<Vector<f64>>>, RunFailure> {
-    Ok(match (is_total_lagrangian(model), lasting(model)) {
+    Ok(match (model.is_total_lagrangian(), model.ghost_lifetime()) {
         (false, _) => vec![present()?],
-        (true, Lasting::OneReference) => vec![reference()?],
+        (true, GhostLifetime::OneReference) => vec![reference()?],
         (true, _) => vec![present()?, reference()?],
     })
 }
@@ -485,7 +451,7 @@ pub(super) fn choose_at_start(domain: &mut Domain, model: &Model, p: &Particles,
 
 /// Cells as wide as the distance of neighbours, and the margin if ghosts are used until particles have moved.
 fn cells(model: &Model, edge: f64) -> Cells {
-    let margin = if wears_out(model) { MARGIN } else { 0.0 };
+    let margin = if model.ghosts_expire() { MARGIN } else { 0.0 };
     let axes = match model.dimensions {
         Dimensions::One => 1,
         Dimensions::PlaneStrain => 2,

@@ -30,7 +30,7 @@ impl GpuEngine {
             heat.supplied = (0..self.model.thermal.boundaries.len()).map(supplied).collect();
         }
         let evaluated = self.group(Group::Evaluated)?;
-        let meetings = contact::meets(&self.model).then(|| self.group(Group::Meetings)).transpose()?;
+        let meetings = self.model.has_contact().then(|| self.group(Group::Meetings)).transpose()?;
         let contact_of = |of: &Group64, (a, b): (usize, usize)| {
             // Of a pair of particles each has a half of the works.
             let halves = |one: usize, other: usize, field: usize| -> f64 {
