@@ -1,7 +1,7 @@
 //! The facets of bodies that meet there, found in double precision in the initial configuration.
 
-use super::columns::Group;
-use super::kernels::facets::{FACET, FACETS};
+use super::columns::{Group, Handles, groups};
+use super::kernels::facets::FACETS;
 use super::kernels::grid::Grid;
 use super::kernels::limits;
 use super::{GpuEngine, failure};
@@ -15,6 +15,9 @@ const SPARE: f64 = 1.25;
 
 /// Least edge of a cell over what facets of two particles reach: they may reach farther after the next step.
 const LEAST: f64 = 1.1;
+
+/// Numbers of a facet.
+const FACET: usize = <groups::FacetTable<()> as Handles<()>>::LENGTH;
 
 /// The facets of a run.
 pub(super) struct Facets {

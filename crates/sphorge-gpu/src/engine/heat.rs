@@ -3,7 +3,7 @@
 use super::columns::Group;
 use super::kernels::conduction::{BEYOND, EXTREMES};
 use super::kernels::reduce;
-use super::snapshot::read;
+use super::read_back::read;
 use super::stages::Stage;
 use super::{GpuEngine, failure};
 use sphorge_engine::ranks::StepFault;

@@ -1,8 +1,8 @@
 //! The neighbour lists of the reference configuration, built on the card at the start and when it is renewed.
 
-use super::columns::Group;
+use super::columns::{Group, Layout, groups};
+use super::read_back::read;
 use super::search::SPARE;
-use super::snapshot::{WEIGHT_FIELDS, read};
 use super::stages::Stage;
 use super::{GpuEngine, failure};
 use sphorge_engine::RunFailure;
@@ -44,10 +44,10 @@ impl GpuEngine {
     /// Start of the list of each particle, followed by the total number of neighbours.
     fn list_starts(&self) -> Result<Vec<u32>, RunFailure> {
         let weights = read(&self.card, &self.columns, Group::Weight)?;
-        debug_assert_eq!(weights.len(), WEIGHT_FIELDS * self.stride);
+        let first = groups::Weight::layout().neighbors.column() * self.stride;
         let mut starts: Vec<u32> = vec![0];
         let mut total: u32 = 0;
-        for neighbors in &weights[self.stride..][..self.initial.len()] {
+        for neighbors in &weights[first..][..self.initial.len()] {
             let longer = total.checked_add(*neighbors as u32);
             total = longer.ok_or_else(|| failure("more than 4 294 967 295 pairs, which the card cannot index"))?;
             starts.push(total);

@@ -4,9 +4,13 @@
 //! data on request. Numbers are in single precision. Those that a step adds to (positions, velocities, densities,
 //! energies, strains) keep the rounding error in a second number, which gives them about double precision.
 
+mod binding;
 mod columns;
+mod detached;
 mod facets;
 mod heat;
+mod initial_columns;
+mod kernel_texts;
 mod kernels;
 mod ledger;
 mod lists;
@@ -14,6 +18,7 @@ mod made;
 mod plan;
 mod queued;
 mod ranks;
+mod read_back;
 mod reductions;
 mod renewal;
 mod room;
@@ -25,12 +30,13 @@ mod snapshot;
 mod stages;
 mod start;
 mod step;
+mod stored_fields;
 mod supports;
 mod surfaces;
 #[cfg(test)]
 mod tests;
 
-pub use start::{KernelText, kernel_texts};
+pub use kernel_texts::{KernelText, kernel_texts};
 
 use crate::device::{Card, Profile};
 use columns::{Columns, Group};
@@ -56,38 +62,29 @@ pub struct Gpu {
     pub profile: Option<Profile>,
 }
 
-/// Indices among the numbers of the step.
+/// Where the numbers of the step are: those of [`groups::Step`](columns::groups::Step), then those of the walls, then
+/// the prescribed motions.
 mod step_numbers {
-    /// Length of the step, s.
-    pub(super) const DT: u32 = 0;
-    /// Half of it.
-    pub(super) const HALF: u32 = 1;
-    /// Gravity, m/s².
-    pub(super) const GRAVITY: u32 = 2;
-    /// Capacity of stored lists in neighbours.
-    pub(super) const ROOM: u32 = 5;
-    /// Number of the step.
-    pub(super) const NUMBER: u32 = 6;
-    /// For shared particles: the first ghost that precedes the own particles in the common order.
-    pub(super) const GHOSTS_BEFORE: u32 = 7;
-    /// Time at the end of the step, s.
-    pub(super) const END: u32 = 8;
-    /// The first wall.
-    pub(super) const WALLS: u32 = 9;
-    /// Displacement, m, and velocity, m/s, of a wall.
-    pub(super) const WALL_LENGTH: u32 = 6;
-    /// For a prescribed motion: one along each prescribed axis, velocities at the middle and at the end of the step,
-    /// m/s.
-    pub(super) const MOTION_LENGTH: u32 = 9;
+    use super::columns::groups::{MotionOfStep, Step, WallOfStep};
+    use super::columns::{Handles, Member, Shared};
+    use sphorge_engine::Model;
+
+    pub(super) const MOTION_LENGTH: usize = <MotionOfStep<()> as Handles<()>>::LENGTH;
+    const WALLS: usize = <Step<()> as Handles<()>>::LENGTH;
+
+    /// Those of a wall.
+    pub(super) fn of_wall(step: Step<Shared>, wall: usize) -> WallOfStep<Shared> {
+        WallOfStep::at(step.source(), WALLS).of(wall)
+    }
 
     /// Start of the prescribed motions: the first one prescribes no axis.
-    pub(super) fn motions(model: &sphorge_engine::Model) -> u32 {
-        WALLS + WALL_LENGTH * model.walls.len() as u32
+    pub(super) fn motions(model: &Model) -> usize {
+        WALLS + <WallOfStep<()> as Handles<()>>::LENGTH * model.walls.len()
     }
 
     /// The number of numbers.
-    pub(super) fn count(model: &sphorge_engine::Model) -> u32 {
-        motions(model) + MOTION_LENGTH * (1 + model.motions.len() as u32)
+    pub(super) fn count(model: &Model) -> usize {
+        motions(model) + MOTION_LENGTH * (1 + model.motions.len())
     }
 }
 

@@ -1,6 +1,6 @@
 //! The kernels of the step of a model.
 
-use super::columns::{Group, Recording};
+use super::columns::{Group, Layout, Recording, groups};
 use super::kernels::reference::References;
 use super::kernels::section::Through;
 use super::kernels::stress::StressOf;
@@ -397,7 +397,8 @@ impl Planner<'_> {
         let stage = Stage::Section(through.number);
         self.sum_forces(stage, Some(through))?;
         self.press(stage, Some(through))?;
-        let terms = [0, 1, 2].map(|column| sums::Term { column, rest: None });
+        let force = groups::Section::layout().force;
+        let terms = [0, 1, 2].map(|a| sums::Term::from(force.axis(a)));
         let sums = sums::of_columns(Group::Section(through.number), &terms, (portions, 0), stride)?;
         let summed = summed(sums, sums::of_lanes(portions.lanes(), stride)?, (portions, terms.len()));
         self.stages.extend(Stage::SectionSums(through.number), summed);

@@ -5,24 +5,16 @@
 //! processor, and the configuration and its lists are rebuilt on the card. Until the first renewal the kernels use only
 //! the initial configuration.
 
-use super::columns::Group;
-use super::kernels::contact::{MEETING, WORKS};
-use super::kernels::facets::ENERGY;
+use super::columns::{Compensated, Group, Handles, Layout, Member, Number, groups};
+use super::initial_columns::{initial_numbers, part};
 use super::kernels::limits;
 use super::kernels::reference::References;
-use super::snapshot::read;
+use super::read_back::read;
 use super::stages::Stage;
-use super::start::{fill, part, reference};
 use super::{GpuEngine, failure};
 use sphorge_engine::persist::{Archive, ArchiveError, Persist};
 use sphorge_engine::{RunFailure, heat_of_released};
 use sphorge_physics::contact::share_of_released;
-
-/// Numbers of a deformation gradient, with their rests.
-pub(super) const EARLIER: usize = 18;
-
-/// Mark of a particle in [`Group::Stretch`].
-const MARK: usize = 2;
 
 impl GpuEngine {
     /// Whether any body has a reference configuration other than the initial one.
@@ -38,7 +30,9 @@ impl GpuEngine {
         }
         let marks = read(&self.card, &self.columns, Group::Stretch)?;
         let mut is_due = vec![false; self.has_come_apart.len()];
-        for (body, mark) in self.initial.body.iter().zip(&marks[MARK * self.stride..]) {
+        for (body, mark) in
+            self.initial.body.iter().zip(&marks[groups::Stretch::layout().is_beyond.column() * self.stride..])
+        {
             is_due[*body as usize] |= *mark > 0.0;
         }
         let is_due = self.on_any_rank(&is_due)?;
@@ -67,12 +61,16 @@ impl GpuEngine {
         Ok(true)
     }
 
+    /// The columns of a group as they are at the start.
+    fn at_start<H: Handles<()>>(&self) -> Vec<f32> {
+        initial_numbers((H::GROUP, H::LENGTH), (&self.model, &self.initial), self.stride)
+    }
+
     /// Selects the kernels for renewed references, or those without.
     fn take_references(&mut self, references: References) -> Result<(), RunFailure> {
         if references == References::Renewed {
             let bodies = self.has_come_apart.len();
-            let undeformed = |field: usize, _: usize| if matches!(field, 0 | 4 | 8) { 1.0 } else { 0.0 };
-            let earlier = fill(self.stride, EARLIER, self.initial.len(), undeformed);
+            let earlier = self.at_start::<groups::Earlier<()>>();
             self.columns.insert(Group::Earlier, self.card.numbers(&earlier).map_err(failure)?);
             self.columns.insert(Group::Apart, self.card.zeros(2 * bodies).map_err(failure)?);
         } else {
@@ -104,18 +102,21 @@ impl GpuEngine {
         let (has_facets, stride) = (self.model.has_facets(), self.stride);
         let of_overlap = |group| if has_facets { Ok(Vec::new()) } else { column(group) };
         let (overlap, outward) = (of_overlap(Group::Overlap)?, of_overlap(Group::Outward)?);
-        let held = |of: &[f32], i: usize| f64::from(of[(MEETING * body + ENERGY) * stride + i]);
+        let number = |of: &[f32], column: Number<()>, i: usize| f64::from(of[column.column() * stride + i]);
+        let of_body = groups::Meetings::layout().of(body);
+        let held = |of: &[f32], i: usize| number(of, of_body.energy, i);
         let is_holding: Vec<bool> = (0..self.initial.len()).map(|i| held(&meetings, i) > 0.0).collect();
-        let double = |of: &[f32], field: usize, i: usize| {
-            f64::from(of[field * stride + i]) + f64::from(of[(field + 1) * stride + i])
+        let double = |of: &[f32], columns: Compensated<()>, i: usize| {
+            let [high, low] = columns.columns();
+            f64::from(of[high * stride + i]) + f64::from(of[low * stride + i])
         };
-        let set = |of: &mut [f32], field: usize, i: usize, number: f64| {
-            for (k, rest) in [false, true].into_iter().enumerate() {
-                of[(field + k) * stride + i] = part(number, rest) as f32;
+        let set = |of: &mut [f32], columns: Compensated<()>, i: usize, number: f64| {
+            for (column, rest) in columns.columns().into_iter().zip([false, true]) {
+                of[column * stride + i] = part(number, rest) as f32;
             }
         };
         let own: Vec<usize> = (0..self.initial.len()).filter(|i| self.initial.body[*i] as usize == body).collect();
-        let [stored, _, damped] = WORKS.map(|(field, _)| MEETING * body + field);
+        let [stored, _, damped] = [0, 1, 2].map(|k| of_body.works.number(k));
         let mut stored_by = Vec::new();
         for &i in &own {
             // Each particle of a pair has half.
@@ -127,19 +128,21 @@ impl GpuEngine {
             set(&mut meetings, damped, i, sum);
             set(&mut meetings, stored, i, taken_up - here);
         }
+        let normal = groups::Outward::layout().normal;
         let pressed = |i: usize| {
             if has_facets {
                 return f64::from(u8::from(is_holding[i]));
             }
-            let is_exposed = (0..3).any(|a| outward[a * stride + i] != 0.0);
-            if is_exposed { share_of_released(f64::from(overlap[i])) } else { 0.0 }
+            let is_exposed = (0..3).any(|a| number(&outward, normal.axis(a), i) != 0.0);
+            if is_exposed { share_of_released(number(&overlap, groups::Overlap::layout().overlap, i)) } else { 0.0 }
         };
         let sum = |part: &dyn Fn(usize) -> f64| self.sum_in_order(own.iter().map(|i| self.initial.mass[*i] * part(*i)));
         let released = self.sum_in_order(stored_by.into_iter())?;
         let heat = heat_of_released(released, &pressed, sum)?;
+        let internal = groups::Energy::layout().energy;
         for &i in &own {
-            let after = double(&energy, 0, i) + heat(i);
-            set(&mut energy, 0, i, after);
+            let after = double(&energy, internal, i) + heat(i);
+            set(&mut energy, internal, i, after);
         }
         self.card.write(array(Group::Meetings)?, &meetings);
         self.card.write(array(Group::Energy)?, &energy);
@@ -170,7 +173,7 @@ impl GpuEngine {
         if is_renewed {
             return self.write_flags(&vec![false; self.has_come_apart.len()]);
         }
-        let numbers = fill(self.stride, 8, self.initial.len(), |field, i| reference(&self.initial, field, i));
+        let numbers = self.at_start::<groups::Reference<()>>();
         let array = self.columns.array(Group::Reference).ok_or_else(|| failure("no reference configuration"))?;
         self.card.write(array, &numbers);
         self.wrote(Group::Reference);

@@ -1,12 +1,11 @@
 //! Whether what a run needs has room on a card, before anything is brought there.
 
+use super::columns::Handles;
+use super::columns::groups::{self, made_with_particles};
 use super::failure;
 use super::kernels::grid::Grid;
-use super::kernels::kept;
-use super::renewal::EARLIER;
 use super::search::SPARE;
 use super::segments::numbers as sums;
-use super::snapshot::fields;
 use crate::device::{Card, Memory};
 use sphorge_engine::model::{Body, Dimensions};
 use sphorge_engine::{Model, Particles, RunFailure};
@@ -14,7 +13,7 @@ use std::f64::consts::PI;
 
 /// About how many bytes a run takes on a card: columns, cells, and lists of the neighbours that particles of the spacing of the largest support have.
 fn bytes(model: &Model, count: usize, stride: usize, grid: &Grid) -> f64 {
-    let columns: usize = fields(model).map(|(_, fields)| fields).sum();
+    let columns: usize = made_with_particles(model).map(|(_, fields)| fields).sum();
     let of_body = |body: &Body| {
         let radius = grid.reach * body.smoothing_length / body.spacing;
         match model.dimensions {
@@ -36,19 +35,19 @@ fn bytes(model: &Model, count: usize, stride: usize, grid: &Grid) -> f64 {
 /// Columns beside those of every model.
 fn of_features(model: &Model) -> usize {
     let of = |is_needed: bool, columns: usize| if is_needed { columns } else { 0 };
-    of(model.formulation.renews(), EARLIER)
+    of(model.formulation.renews(), <groups::Earlier<()> as Handles<()>>::LENGTH)
         // Normals and depths of the surface, and who is of it.
         + of(model.has_faces(), 7)
-        + of(model.keeps_lists(), kept::ROWS + kept::SEARCHED_AT)
+        + of(model.keeps_lists(), <groups::Rows<()> as Handles<()>>::LENGTH + <groups::SearchedAt<()> as Handles<()>>::LENGTH)
         // Marks, candidates and where they were found, and the correction of the strain.
-        + of(model.adaptive_search().is_some(), 8 + kept::STRAINED + 1)
+        + of(model.adaptive_search().is_some(), 8 + <groups::StrainCorrection<()> as Handles<()>>::LENGTH)
         // Bodies and motions, starts of lists, and what is reduced to a few rows.
         + 5
 }
 
 /// Refuses a group of columns whose places a card cannot number: each body that others meet has columns of its own.
 fn refuse_what_is_too_long(model: &Model, stride: usize) -> Result<(), RunFailure> {
-    let longest = fields(model).map(|(_, fields)| fields as u64 * stride as u64).max().unwrap_or(0);
+    let longest = made_with_particles(model).map(|(_, fields)| fields as u64 * stride as u64).max().unwrap_or(0);
     let most = u64::from(u32::MAX);
     if longest <= most {
         return Ok(());

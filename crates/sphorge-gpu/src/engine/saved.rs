@@ -5,11 +5,55 @@
 
 use super::GpuEngine;
 use super::columns::Group;
-use super::snapshot::{LISTS, STATE, read};
+use super::read_back::read;
 use rayon::prelude::*;
 use sphorge_engine::RunFailure;
 use sphorge_engine::model::Search;
 use sphorge_engine::persist::{Archive, ArchiveError, Persist, persist_pieces};
+
+/// Groups on which the following steps depend.
+const STATE: &[Group] = &[
+    Group::Place,
+    Group::Velocity,
+    Group::Evaluated,
+    Group::Ahead,
+    Group::Density,
+    Group::Gradient,
+    Group::Weight,
+    Group::Energy,
+    Group::Rates,
+    Group::External,
+    Group::Deviator,
+    Group::Pressure,
+    Group::Plastic,
+    Group::History,
+    Group::Temperature,
+    Group::Accounts,
+    Group::Walls,
+    Group::Limits,
+    Group::Reference,
+    Group::Deformation,
+    Group::Earlier,
+    Group::Stretch,
+    Group::Springs,
+    Group::Contact,
+    Group::Meetings,
+    Group::FacetMotion,
+    Group::Slips,
+    Group::Kept,
+    Group::Rows,
+    Group::SearchedAt,
+    Group::Stored,
+    Group::FoundAt,
+    Group::Candidates,
+    Group::StrainCorrection,
+    Group::Heat,
+    Group::Boundaries,
+    Group::Constants,
+];
+
+/// Those among them that are lists, and the positions at which they were built.
+const LISTS: &[Group] = &[Group::Kept, Group::Rows, Group::SearchedAt];
 
 impl GpuEngine {
     /// Saves or loads everything that the following steps depend on. On ranks [`Self::complete_state`] completes a

@@ -1,11 +1,11 @@
 //! Decides when stored lists are searched again.
 
-use super::columns::Group;
+use super::columns::{Group, Layout, groups};
 use super::kernels::audit;
 use super::kernels::images::Planes;
-use super::kernels::kept::{HIGH, LENGTH, LONGEST, LONGEST_ROW, LOW, MARKED_ROWS, THINNEST_SKIN, WAYS};
+use super::kernels::kept::{HIGH, LONGEST, LONGEST_ROW, LOW, MARKED_ROWS, THINNEST_SKIN, WAYS};
 use super::kernels::reduce::{self, Together};
-use super::snapshot::read;
+use super::read_back::read;
 use super::stages::Stage;
 use super::{GpuEngine, failure};
 use rayon::prelude::*;
@@ -136,9 +136,13 @@ impl GpuEngine {
         }
         let place = read(&self.card, &self.columns, Group::Place)?;
         let places = |numbers: &[f32]| {
-            let at = |field: usize, i: usize| f64::from(numbers[field * self.stride + i]);
+            let at = |column: usize, i: usize| f64::from(numbers[column * self.stride + i]);
+            let position = |a: usize, i: usize| {
+                let [high, low] = groups::Place::layout().position.axis(a).columns();
+                at(high, i) + at(low, i)
+            };
             let own = (0..self.initial.len()).into_par_iter().with_min_len(1 << 10);
-            self.of_all_ranks(&own.map(|i| [0, 1, 2].map(|a| at(a, i) + at(3 + a, i))).collect::<Vec<Vector<f64>>>())
+            self.of_all_ranks(&own.map(|i| [0, 1, 2].map(|a| position(a, i))).collect::<Vec<Vector<f64>>>())
         };
         let material = SearchedMaterial {
             position: &places(&place)?,
@@ -170,7 +174,7 @@ impl GpuEngine {
         if self.domain.is_none() {
             let (kept, rows) =
                 (read(&self.card, &self.columns, Group::Kept)?, read(&self.card, &self.columns, Group::Rows)?);
-            let (stride, lengths) = (self.stride, &rows[LENGTH * self.stride..]);
+            let (stride, lengths) = (self.stride, &rows[groups::Rows::layout().length.column() * self.stride..]);
             list.fill(self.initial.len(), |i, row| {
                 let mut entries = (0..lengths[i] as usize).map(|k| kept[k * stride + i].to_bits());
                 without_images(&mut entries, row);
@@ -251,10 +255,11 @@ impl GpuEngine {
         let now = column(Group::Place)?;
         let lengths = self.model.smoothing_follows_density().then(|| column(Group::Constants)).transpose()?;
         let (then, stride) = (column(Group::SearchedAt)?, self.stride);
-        let (place, searched) = then.split_at(6 * stride);
+        let (place, searched) = then.split_at(groups::SearchedAt::layout().smoothing_length.column() * stride);
         self.overwrite(Group::Place, place)?;
         if let Some(mut lengths) = lengths.clone() {
-            lengths[stride..2 * stride].copy_from_slice(searched);
+            let first = groups::Constants::layout().smoothing_length.column() * stride;
+            lengths[first..first + stride].copy_from_slice(searched);
             self.overwrite(Group::Constants, &lengths)?;
         }
         let last_searched = self.kept.last_searched;

@@ -1,10 +1,10 @@
 //! Particles in the portions that sums are taken of.
 
 use super::columns::{Columns, Group};
+use super::initial_columns::motions;
 use super::kernels::ledger::{self, LedgerSums};
 use super::kernels::reductions;
 use super::kernels::sums::{MOST_SUMS, Portions, chunk_of};
-use super::start::motions;
 use crate::device::{Card, CardFault};
 use rayon::prelude::*;
 use sphorge_engine::{Model, Particles};

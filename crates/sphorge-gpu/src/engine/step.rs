@@ -2,7 +2,7 @@
 
 use super::columns::Group;
 use super::kernels::{limits, reduce};
-use super::snapshot::read;
+use super::read_back::read;
 use super::stages::Stage;
 use super::{GpuEngine, failure, step_numbers};
 use sphorge_engine::model::{AdaptiveSearch, Integrator, Material, Search, WallContact};
@@ -37,7 +37,7 @@ impl GpuEngine {
             numbers.extend([0, 1, 2].map(|a| wall.velocity[a].integral(0.0, then)));
             numbers.extend([0, 1, 2].map(|a| wall.velocity[a].at(then)));
         }
-        numbers.extend([0.0; step_numbers::MOTION_LENGTH as usize]);
+        numbers.extend([0.0; step_numbers::MOTION_LENGTH]);
         for motion in &self.model.motions {
             let at = |time: f64| motion.axes.iter().map(move |axis| axis.velocity(time).unwrap_or(0.0));
             numbers.extend(motion.axes.iter().map(|axis| f64::from(u8::from(axis.velocity(0.0).is_some()))));

@@ -1,8 +1,8 @@
 //! The surfaces of bodies in contact: found once, in double precision, from the lists of the initial configuration.
 
-use super::columns::Group;
+use super::columns::{Group, Handles, Layout, groups};
 use super::kernels::images::Planes;
-use super::snapshot::read;
+use super::read_back::read;
 use super::{GpuEngine, failure};
 use rayon::prelude::*;
 use sphorge_engine::RunFailure;
@@ -69,12 +69,13 @@ impl GpuEngine {
         };
         let is_met = |i: usize| model.bodies.len() > 1 || outward[i] != [0.0; 3];
         let surface: Vec<u32> = (0..p.len()).filter(|i| is_met(*i)).map(|i| i as u32).collect();
-        let mut numbers = vec![0.0f32; 6 * stride];
+        let of = groups::Outward::layout();
+        let mut numbers = vec![0.0f32; <groups::Outward<()> as Handles<()>>::LENGTH * stride];
         let arms: Vec<Vector<f64>> = surface.par_iter().with_min_len(1 << 7).map(|i| arm(*i as usize)).collect();
         for (i, arm) in surface.iter().map(|i| *i as usize).zip(arms) {
             for a in 0..3 {
-                numbers[a * stride + i] = outward[i][a] as f32;
-                numbers[(3 + a) * stride + i] = arm[a] as f32;
+                numbers[of.normal.axis(a).column() * stride + i] = outward[i][a] as f32;
+                numbers[of.arm.axis(a).column() * stride + i] = arm[a] as f32;
             }
         }
         self.columns.insert(Group::Outward, self.card.numbers(&numbers).map_err(failure)?);

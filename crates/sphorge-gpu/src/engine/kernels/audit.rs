@@ -4,10 +4,13 @@
 use super::contact::SelfContact;
 use super::grid::Grid;
 use super::images::Planes;
-use super::kept::{LENGTH, stored_place};
-use super::neighbors::{Pair, different, now, over_cells, places};
+use super::kept::stored_place;
+use super::neighbors::{Pair, different, now, over_cells};
 use super::reference::References;
-use crate::engine::columns::{Binder, Fields, Group, Reading, Recording, recording};
+use crate::engine::columns::{
+    Binder, Compensated, CompensatedVector, Group, Number, Read, ReadColumns, Recording, SymmetricColumns,
+    WriteColumns, groups, recording,
+};
 use crate::record::{Index, Indices, KernelFault, Recorded};
 use sphorge_engine::AuditedRow;
 use sphorge_engine::model::Model;
@@ -27,42 +30,42 @@ pub(in crate::engine) const AUDIT: usize = OF_LIST + OF_EXACT;
 /// Particle data that the sums read.
 #[derive(Clone, Copy)]
 struct Points {
-    place: Reading,
-    constants: Reading,
-    velocity: Reading,
-    density: Reading,
-    deviator: Reading,
-    pressure: Reading,
+    place: CompensatedVector<Read>,
+    constants: groups::Constants<Read>,
+    velocity: CompensatedVector<Read>,
+    density: Compensated<Read>,
+    deviator: SymmetricColumns<Read>,
+    pressure: groups::Pressure<Read>,
 }
 
 impl Points {
     fn of(bind: &mut Binder<'_>) -> Self {
         Self {
-            place: bind.read(Group::Place),
-            constants: bind.read(Group::Constants),
-            velocity: bind.read(Group::Velocity),
-            density: bind.read(Group::Density),
-            deviator: bind.read(Group::Deviator),
-            pressure: bind.read(Group::Pressure),
+            place: groups::Place::read(bind).position,
+            constants: groups::Constants::read(bind),
+            velocity: groups::Velocity::read(bind).velocity,
+            density: groups::Density::read(bind).density,
+            deviator: groups::Deviator::read(bind).deviator,
+            pressure: groups::Pressure::read(bind),
         }
     }
 
     fn stress(self, i: Index) -> SymmetricTensor<Recorded> {
-        self.deviator.symmetric(0, i) - SymmetricTensor::isotropic(self.pressure.get(0, i))
+        self.deviator.get(i) - SymmetricTensor::isotropic(self.pressure.pressure.get(i))
     }
 
     /// Adds a pair to the first numbers of a row; `is_particle` is one if the neighbour is not an image, else zero.
     fn add(self, model: &Model, row: &mut [Recorded], (i, j): (Index, Index), pair: &Pair, is_particle: Recorded) {
         let image = &pair.image;
-        let (v_i, v_j) = (self.velocity.vector(0, i), image.vector(self.velocity.vector(0, j)));
+        let (v_i, v_j) = (self.velocity.high().get(i), image.vector(self.velocity.high().get(j)));
         let (q, inverse_q) = pair.scale.reduced_distance(pair.r2);
         let mut sums = AuditSums { divergence: row[0], acceleration: [row[1], row[2], row[3]] };
         let acceleration = sums.add(&AuditPair {
             x: pair.x,
             v: [0, 1, 2].map(|a| v_j[a] - v_i[a]),
             f: pair.scale.f(model.numerics.kernel.dw_over_q_by(q, inverse_q)),
-            volume: self.constants.get(0, j) / self.density.get(0, j),
-            density: self.density.get(0, i),
+            volume: self.constants.mass.get(j) / self.density.high().get(j),
+            density: self.density.high().get(i),
             stress: self.stress(i) + image.symmetric(self.stress(j)),
         });
         row[0] = sums.divergence;
@@ -83,7 +86,7 @@ fn is_inside(model: &Model, pair: &Pair) -> Recorded {
 #[derive(Clone, Copy)]
 struct Lists {
     /// Their lengths.
-    lengths: (Reading, usize),
+    lengths: Number<Read>,
     entries: Indices,
     /// Their starts, in the reference configuration; stored lists have the first neighbours of all particles before the
     /// second ones.
@@ -96,15 +99,15 @@ impl Lists {
     fn of(bind: &mut Binder<'_>, model: &Model) -> Self {
         let (stride, planes) = (bind.stride(), Planes::of(model));
         let (lengths, entries, starts) = if model.is_total_lagrangian() {
-            ((bind.read(Group::Weight), 1), bind.indices(Group::List), Some(bind.indices(Group::ListStarts)))
+            (groups::Weight::read(bind).neighbors, bind.indices(Group::List), Some(bind.indices(Group::ListStarts)))
         } else {
-            ((bind.read(Group::Rows), LENGTH), bind.indices(Group::Kept), None)
+            (groups::Rows::read(bind).length, bind.indices(Group::Kept), None)
         };
         Self { lengths, entries, starts, stride, planes }
     }
 
     fn length(self, i: Index) -> Recorded {
-        self.lengths.0.get(self.lengths.1, i)
+        self.lengths.get(i)
     }
 
     fn entry(self, k: Index, i: Index) -> Index {
@@ -115,14 +118,14 @@ impl Lists {
 /// Sums over the lists, with the distances used in the step.
 pub(in crate::engine) fn of_lists<const D: usize>(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     recording("audit_lists", count, |bind, i| {
-        let (points, lists, audit) = (Points::of(bind), Lists::of(bind, model), bind.write(Group::Audit));
+        let (points, lists, audit) = (Points::of(bind), Lists::of(bind, model), groups::Audit::write(bind));
         let stored = model.keeps_distances().then(|| bind.read(Group::Stored));
-        let (zero, one, own) = (Recorded::zero(), Recorded::one(), places(points.place, i));
+        let (zero, one, own) = (Recorded::zero(), Recorded::one(), points.place.get(i));
         let row = bind.scope.fold(Index::of(0), Index::floor(lists.length(i)), [zero; OF_LIST], |_, mut row, k| {
             let entry = lists.entry(k, i);
             let (j, image) = lists.planes.entry(entry);
-            let lengths = (points.constants.get(1, i), points.constants.get(1, j));
-            let mut pair = Pair::of::<D>(model, (image, 0), &own, &places(points.place, j), lengths);
+            let lengths = (points.constants.smoothing_length.get(i), points.constants.smoothing_length.get(j));
+            let mut pair = Pair::of::<D>(model, (image, 0), &own, &points.place.get(j), lengths);
             row[SUMS] += one - is_inside(model, &pair);
             if let Some(stored) = stored {
                 pair.r2 = zero;
@@ -135,7 +138,7 @@ pub(in crate::engine) fn of_lists<const D: usize>(model: &Model, count: usize) -
             points.add(model, &mut row, (i, j), &pair, is_particle);
             row
         });
-        audit.set_all(0, i, &row);
+        audit.of_list.set(i, row);
     })
 }
 
@@ -148,7 +151,7 @@ pub(in crate::engine) fn exact<const D: usize>(
     count: usize,
 ) -> Result<Recording, KernelFault> {
     recording("audit_exactly", count, |bind, i| {
-        let (points, lists, audit) = (Points::of(bind), Lists::of(bind, model), bind.write(Group::Audit));
+        let (points, lists, audit) = (Points::of(bind), Lists::of(bind, model), groups::Audit::write(bind));
         let bodies = bind.indices(Group::Body);
         let (zero, one, half) = (Recorded::zero(), Recorded::one(), Recorded::of(0.5));
         let near = (points.place, now(points.constants));
@@ -172,7 +175,7 @@ pub(in crate::engine) fn exact<const D: usize>(
                 };
                 Recorded::if_lt(half, is_inside(model, pair), add, || row)
             });
-        audit.set_all(OF_LIST, i, &row);
+        audit.exact.set(i, row);
     })
 }
 

@@ -2,10 +2,12 @@
 
 use super::grid::Grid;
 use super::images::{Image, split};
-use super::neighbors::{Pair, apart, different, now, over_cells, over_list, over_present_neighbors, places};
+use super::neighbors::{Pair, apart, different, now, over_cells, over_list, over_present_neighbors};
 use super::reduce::{Together, over_particles, rows};
-use crate::engine::columns::{Binder, Fields, Group, Reading, Recording, recording};
-use crate::engine::step_numbers::DT;
+use crate::engine::columns::{
+    Binder, Compensated, CompensatedVector, Group, Handles, Layout, Member, NOTHING, Read, ReadColumns, ReadRecords,
+    ReadShared, Recording, Records, WriteColumns, groups, recording,
+};
 use crate::record::{Index, Indices, KernelFault, Recorded};
 use sphorge_engine::geometry::HeatFaces;
 use sphorge_engine::model::{HeatBoundaryKind, Model};
@@ -19,24 +21,6 @@ use sphorge_physics::pair::mean;
 use sphorge_physics::tensor::dot;
 use sphorge_physics::time_step::conduction_limit;
 use sphorge_physics::{Elementary, Numbers, Real, Vector};
-
-/// Numbers of a particle in [`Group::Heat`]: heat flow into it, W/kg, its limit of the step, s, heat exchanged, J, and
-/// its rest, and the contribution of the deformation to the flow, W/m².
-const RATE: usize = 0;
-const LIMIT: usize = 1;
-pub(in crate::engine) const EXCHANGED: usize = 2;
-const FLOW: usize = 4;
-pub(in crate::engine) const HEAT: usize = 7;
-
-/// Numbers of a particle in [`Group::Boundaries`] for each of them: one if it belongs to it, or its area at unit density if it
-/// names faces; its power, W, heat supplied, J, and its rest.
-const CLAIMED: usize = 0;
-const POWER: usize = 1;
-pub(in crate::engine) const SUPPLIED: usize = 2;
-pub(in crate::engine) const BOUNDARY: usize = 4;
-
-/// Numbers of a body in [`Group::HeatLaws`].
-const LAW: usize = 4;
 
 /// Numbers of a row of [`Group::HeatExtremes`]: the smallest limit, s, the lowest temperature, K, and whether one is
 /// not a number.
@@ -54,11 +38,12 @@ pub(in crate::engine) fn laws(model: &Model) -> Vec<f32> {
 /// Which particles belong to which boundary.
 pub(in crate::engine) fn claims(model: &Model, p: &Particles, stride: usize) -> Vec<f32> {
     let (boundaries, faces) = (&model.thermal.boundaries, HeatFaces::new(model));
-    let mut numbers = vec![0.0; (BOUNDARY * boundaries.len()).max(1) * stride];
+    let length = <groups::Boundaries<()> as Handles<()>>::LENGTH;
+    let mut numbers = vec![0.0; (length * boundaries.len()).max(1) * stride];
     for (k, boundary) in boundaries.iter().enumerate() {
         for i in (0..p.len()).filter(|i| boundary.claims(p.body[*i], p.regions[*i])) {
-            numbers[(BOUNDARY * k + CLAIMED) * stride + i] =
-                faces.at_unit_density(k, p.id[i]).map_or(1.0, |face| face as f32);
+            let claimed = groups::Boundaries::layout().of(k).claimed.column();
+            numbers[claimed * stride + i] = faces.at_unit_density(k, p.id[i]).map_or(1.0, |face| face as f32);
         }
     }
     numbers
@@ -84,43 +69,46 @@ pub(in crate::engine) fn sums<const D: usize>(
 /// Particle data that heat conduction reads.
 #[derive(Clone, Copy)]
 struct Points {
-    place: Reading,
-    constants: Reading,
-    temperature: Reading,
-    density: Reading,
+    place: CompensatedVector<Read>,
+    constants: groups::Constants<Read>,
+    temperature: Compensated<Read>,
+    density: Compensated<Read>,
     body: Indices,
-    laws: Reading,
+    laws: groups::HeatLaws<Records>,
     /// Positions by which particles near other bodies are sorted.
-    surface: Option<Reading>,
+    surface: Option<CompensatedVector<Read>>,
 }
 
 impl Points {
     fn of(bind: &mut Binder<'_>, model: &Model) -> Self {
         let faces = model.conducts_across_contact() && model.has_faces();
         Self {
-            place: bind.read(Group::Place),
-            constants: bind.read(Group::Constants),
-            temperature: bind.read(Group::Temperature),
-            density: bind.read(Group::Density),
+            place: groups::Place::read(bind).position,
+            constants: groups::Constants::read(bind),
+            temperature: groups::Temperature::read(bind).temperature,
+            density: groups::Density::read(bind).density,
             body: bind.indices(Group::Body),
-            laws: bind.read(Group::HeatLaws),
-            surface: faces.then(|| bind.read(Group::Standing)),
+            laws: groups::HeatLaws::records(bind),
+            surface: faces.then(|| groups::Standing::read(bind).position),
         }
     }
 
     /// Current volume, m^d.
     fn volume(self, i: Index) -> Recorded {
-        self.constants.get(0, i) / self.density.get(0, i)
+        self.constants.mass.get(i) / self.density.high().get(i)
     }
 
-    fn law(self, i: Index, k: usize) -> Recorded {
-        self.laws.get_at(self.body.at(i) * Index::of(LAW as u32) + Index::of(k as u32))
+    fn conductivity(self, i: Index) -> Recorded {
+        self.laws.conductivity.get(self.body.at(i))
+    }
+
+    fn correction(self, i: Index) -> Recorded {
+        self.laws.correction.get(self.body.at(i))
     }
 
     /// `T_j - T_i`, K.
     fn difference(self, i: Index, j: Index) -> Recorded {
-        let ([own, own_rest], [other, other_rest]) =
-            (self.temperature.double(0, 1, i), self.temperature.double(0, 1, j));
+        let ([own, own_rest], [other, other_rest]) = (self.temperature.get(i), self.temperature.get(j));
         (other - own) + (other_rest - own_rest)
     }
 
@@ -135,8 +123,8 @@ impl Points {
     ) -> HeatPair<Recorded> {
         HeatPair {
             volumes,
-            conductivity: pair_conductivity(self.law(i, 0), self.law(j, 0)),
-            correction: mean(self.law(i, 2), self.law(j, 2)),
+            conductivity: pair_conductivity(self.conductivity(i), self.conductivity(j)),
+            correction: mean(self.correction(i), self.correction(j)),
             slope: slope(model, r2, scale),
             r2,
             difference: self.difference(i, j),
@@ -145,7 +133,7 @@ impl Points {
 
     /// `x_i - x_j`, m, at the current positions.
     fn apart<const D: usize>(self, image: &Image, i: Index, j: Index) -> Vector<Recorded> {
-        apart::<D>(image, &places(self.place, i), &places(self.place, j))
+        apart::<D>(image, &self.place.get(i), &self.place.get(j))
     }
 
     /// Folds a state over every particle of another body that is near.
@@ -205,17 +193,24 @@ fn touch<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Rec
 /// Contribution of the deformation to the flow of every particle in the reference configuration.
 fn flow_of_deformation<const D: usize>(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     recording("heat_of_deformation", count, |bind, i| {
-        let (points, heat) = (Points::of(bind, model), bind.write(Group::Heat));
-        let near = (bind.read(Group::Reference), points.constants);
-        let (deformation, correction) = (bind.read(Group::Deformation), bind.read(Group::Correction));
+        let (points, heat) = (Points::of(bind, model), groups::Heat::write(bind));
+        let near = (groups::Reference::read(bind), points.constants);
+        let (deformation, correction) =
+            (groups::Deformation::read(bind).deformation, groups::Correction::read(bind).correction);
         let start = [Recorded::zero(); 3];
         let gradient = over_list::<_, D>(bind, model, i, near, start, |mut gradient: Vector<Recorded>, pair, j| {
             let slope = slope(model, pair.r2, pair.scale);
-            add_temperature_gradient(&mut gradient, near.0.get(6, j), slope, points.difference(i, j), pair.x);
+            add_temperature_gradient(
+                &mut gradient,
+                near.0.volume.high().get(j),
+                slope,
+                points.difference(i, j),
+                pair.x,
+            );
             gradient
         });
-        let flow = added_flow(points.law(i, 0), gradient, &deformation.tensor(0, i), &correction.tensor(0, i));
-        heat.set_all(FLOW, i, &flow);
+        let flow = added_flow(points.conductivity(i), gradient, &deformation.high().get(i), &correction.get(i));
+        heat.flow.set(i, flow);
     })
 }
 
@@ -224,8 +219,8 @@ fn sum<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recor
     let dimension = model.dimensions.into();
     let boundaries = &model.thermal.boundaries;
     recording("sum_heat", count, |bind, i| {
-        let (points, heat) = (Points::of(bind, model), bind.write(Group::Heat));
-        let through = (!boundaries.is_empty()).then(|| bind.write(Group::Boundaries));
+        let (points, heat) = (Points::of(bind, model), groups::Heat::write(bind));
+        let through = (!boundaries.is_empty()).then(|| groups::Boundaries::write(bind));
         let touched = model.conducts_between_bodies().then(|| bind.indices(Group::Touched));
         let volume = points.volume(i);
         // Particles of one body, or of two whose faces touch at one of the particles.
@@ -250,13 +245,13 @@ fn sum<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recor
         };
         let start = numbers(Inflow::zero());
         let mut sums = if model.is_total_lagrangian() {
-            let near = (bind.read(Group::Reference), points.constants);
-            let better = best_flow(&bind.read(Group::Deformation).tensor(0, i));
-            let own = heat.vector(FLOW, i);
+            let near = (groups::Reference::read(bind), points.constants);
+            let better = best_flow(&groups::Deformation::read(bind).deformation.high().get(i));
+            let own = heat.flow.get(i);
             over_list::<_, D>(bind, model, i, near, start, |state: [Recorded; 3], pair, j| {
-                let other = pair.image.vector(heat.vector(FLOW, j));
+                let other = pair.image.vector(heat.flow.get(j));
                 let flow = [0, 1, 2].map(|a| own[a] + other[a]);
-                let volumes = (near.0.get(6, i), near.0.get(6, j));
+                let volumes = (near.0.volume.high().get(i), near.0.volume.high().get(j));
                 let mut sum = inflow(state);
                 let of_pair = points.pair(model, (i, j), volumes, pair.r2, pair.scale);
                 sum.add_reference(&of_pair, pair.x, flow, better, dimension);
@@ -275,25 +270,25 @@ fn sum<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recor
             if matches!(boundary.kind, HeatBoundaryKind::HeldTemperature(_)) {
                 continue;
             }
-            let claimed = through.get(BOUNDARY * k + CLAIMED, i);
+            let claimed = through.of(k).claimed.get(i);
             let area = match boundary.normal {
-                Some(_) => face_area(dimension, claimed, points.density.get(0, i)),
-                None => surface_area(dimension, volume, sum.filled, points.law(i, 3)),
+                Some(_) => face_area(dimension, claimed, points.density.high().get(i)),
+                None => surface_area(dimension, volume, sum.filled, points.laws.surface.get(points.body.at(i))),
             };
             let cell = cell_size(dimension, volume);
-            let temperature = points.temperature.get(0, i);
-            let (power, conductance) = boundary.kind.through_surface(area, temperature, points.law(i, 0), cell);
+            let temperature = points.temperature.high().get(i);
+            let (power, conductance) = boundary.kind.through_surface(area, temperature, points.conductivity(i), cell);
             // Faces that are not named have no area.
             let zero = Recorded::zero();
             let power = Recorded::select_lt(zero, claimed, power, zero);
             sum.power += power;
             sum.conductance += Recorded::select_lt(zero, claimed, conductance, zero);
-            through.set(BOUNDARY * k + POWER, i, power);
+            through.of(k).power.set(i, power);
         }
-        let mass = points.constants.get(0, i);
-        heat.set(RATE, i, sum.power / mass);
-        let limit = conduction_limit(mass * points.law(i, 1), sum.conductance);
-        heat.set(LIMIT, i, Recorded::select_lt(Recorded::zero(), sum.conductance, limit, Recorded::of(BEYOND)));
+        let mass = points.constants.mass.get(i);
+        heat.rate.set(i, sum.power / mass);
+        let limit = conduction_limit(mass * points.laws.specific_heat.get(points.body.at(i)), sum.conductance);
+        heat.limit.set(i, Recorded::select_lt(Recorded::zero(), sum.conductance, limit, Recorded::of(BEYOND)));
     })
 }
 
@@ -301,33 +296,34 @@ fn sum<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recor
 pub(in crate::engine) fn flow(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     let boundaries = &model.thermal.boundaries;
     recording("flow_heat", count, |bind, i| {
-        let (energy, temperature) = (bind.write(Group::Energy), bind.write(Group::Temperature));
-        let (heat, constants, step) = (bind.write(Group::Heat), bind.read(Group::Constants), bind.read(Group::Step));
-        let (body, laws) = (bind.indices(Group::Body), bind.read(Group::HeatLaws));
-        let through = (!boundaries.is_empty()).then(|| bind.write(Group::Boundaries));
-        let specific_heat = laws.get_at(body.at(i) * Index::of(LAW as u32) + Index::of(1));
-        let (dt, mass) = (step.get(0, Index::of(DT)), constants.get(0, i));
-        let inflow = dt * heat.get(RATE, i);
-        energy.add(0, 1, i, inflow);
-        temperature.add(0, 1, i, inflow / specific_heat);
-        heat.add(EXCHANGED, EXCHANGED + 1, i, mass * inflow.abs());
+        let (energy, temperature) = (groups::Energy::write(bind), groups::Temperature::write(bind).temperature);
+        let (heat, constants, step) =
+            (groups::Heat::write(bind), groups::Constants::read(bind), groups::Step::shared(bind));
+        let (body, laws) = (bind.indices(Group::Body), groups::HeatLaws::records(bind));
+        let through = (!boundaries.is_empty()).then(|| groups::Boundaries::write(bind));
+        let specific_heat = laws.specific_heat.get(body.at(i));
+        let (dt, mass) = (step.dt.value(), constants.mass.get(i));
+        let inflow = dt * heat.rate.get(i);
+        energy.energy.add(i, inflow);
+        temperature.add(i, inflow / specific_heat);
+        heat.exchanged.add(i, mass * inflow.abs());
         for (k, boundary) in boundaries.iter().enumerate() {
             let Some(through) = through else { continue };
-            let supplied = BOUNDARY * k + SUPPLIED;
+            let through = through.of(k);
             let HeatBoundaryKind::HeldTemperature(held) = boundary.kind else {
-                through.add(supplied, supplied + 1, i, dt * through.get(BOUNDARY * k + POWER, i));
+                through.supplied.add(i, dt * through.power.get(i));
                 continue;
             };
             let hold = || {
-                let ([now, rest], held) = (temperature.double(0, 1, i), split(held));
+                let ([now, rest], held) = (temperature.get(i), split(held));
                 let supply = specific_heat * ((held[0] - now) + (held[1] - rest));
-                energy.add(0, 1, i, supply);
-                temperature.set_all(0, i, &held);
-                through.add(supplied, supplied + 1, i, mass * supply);
-                crate::engine::columns::NOTHING
+                energy.energy.add(i, supply);
+                temperature.set(i, held);
+                through.supplied.add(i, mass * supply);
+                NOTHING
             };
-            let claimed = through.get(BOUNDARY * k + CLAIMED, i);
-            Recorded::if_lt(Recorded::of(0.5), claimed, hold, || crate::engine::columns::NOTHING);
+            let claimed = through.claimed.get(i);
+            Recorded::if_lt(Recorded::of(0.5), claimed, hold, || NOTHING);
         }
     })
 }
@@ -338,19 +334,19 @@ pub(in crate::engine) const TOGETHER: [Together; EXTREMES] = [Together::Least, T
 /// For each row of the `particles`: the smallest limit and the lowest temperature, and whether one is not a number.
 pub(in crate::engine) fn extremes(particles: usize, count: usize) -> Result<Recording, KernelFault> {
     recording("heat_extremes", count, |bind, row| {
-        let (heat, temperature) = (bind.read(Group::Heat), bind.read(Group::Temperature));
+        let (heat, temperature) = (groups::Heat::read(bind), groups::Temperature::read(bind).temperature);
         let extremes = bind.write(Group::HeatExtremes);
         let (zero, one, far) = (Recorded::zero(), Recorded::one(), Recorded::of(BEYOND));
         let all = over_particles(bind, (count, row), [far, far, zero], |all: [Recorded; EXTREMES], i| {
             // Columns are padded to whole chunks.
             let there =
                 |a: Recorded, b: Recorded| Recorded::select_lt(i.number(), Recorded::of(particles as f64), a, b);
-            let now = temperature.get(0, i);
+            let now = temperature.high().get(i);
             let broken = Recorded::select_lt(now.abs(), far, zero, one);
-            [all[0].min(there(heat.get(LIMIT, i), far)), all[1].min(there(now, far)), all[2].max(there(broken, zero))]
+            [all[0].min(there(heat.limit.get(i), far)), all[1].min(there(now, far)), all[2].max(there(broken, zero))]
         });
         for (k, number) in all.into_iter().enumerate() {
-            extremes.set(0, Index::of((k * rows(count)) as u32) + row, number);
+            extremes.set_at(Index::of((k * rows(count)) as u32) + row, number);
         }
     })
 }

@@ -4,11 +4,13 @@
 use super::facets;
 use super::grid::Grid;
 use super::images::Image;
-use super::neighbors::{Pair, apart, at_start, different, over_cells, places};
+use super::neighbors::{Pair, apart, at_start, different, over_cells};
 use super::reference::{Apart, Deformations, References};
 use super::section::{Crossing, Through};
-use crate::engine::columns::{Binder, Fields, Group, NOTHING, Reading, Recording, added, recording};
-use crate::engine::step_numbers::DT;
+use crate::engine::columns::{
+    Binder, CompensatedVector, Group, NOTHING, Read, ReadColumns, ReadRecords, ReadShared, Recording, Records,
+    ValuedMember, WriteColumns, added, groups, recording,
+};
 use crate::record::{Index, Indices, KernelFault, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_engine::{ContactLaws, FacetLaws};
@@ -18,17 +20,6 @@ use sphorge_physics::contact::{
 use sphorge_physics::surface::{FaceShift, different_sides, sides_of_a_sheet, surface_normal};
 use sphorge_physics::tensor::dot;
 use sphorge_physics::{Elementary, Numbers, Real, Vector};
-
-/// Index of the limit among the numbers of [`Group::Contact`].
-pub(in crate::engine) const LIMIT: usize = 5;
-
-/// Columns of [`Group::Meetings`] for each body; indices of the works among them, each before its rest, and of their
-/// powers.
-pub(in crate::engine) const MEETING: usize = 13;
-pub(in crate::engine) const WORKS: [(usize, usize); 3] = [(6, 3), (8, 4), (10, 5)];
-
-/// Numbers of the law of two bodies, the last of them the share of the heat of friction that the first receives.
-const LAW: usize = 6;
 
 /// Calls a function for every body with its index.
 pub(super) fn each_body(bodies: usize, act: impl Fn(Index)) {
@@ -55,34 +46,29 @@ pub(in crate::engine) fn laws(model: &Model) -> Option<Vec<f32>> {
     model.has_contact().then(|| pairs.flat_map(|(a, b)| numbers(a, b)).map(|number| number as f32).collect())
 }
 
-/// A number of the law of a pair of bodies.
-pub(super) fn law_number(laws: Reading, pair: Index, k: usize) -> Recorded {
-    laws.get(0, pair * Index::of(LAW as u32) + Index::of(k as u32))
-}
-
 /// Contact positions of particles near faces.
 pub(in crate::engine) fn stand(references: References, count: usize) -> Result<Recording, KernelFault> {
     recording("stand", count, |bind, thread| {
         let i = bind.indices(Group::Surface).at(thread);
         let (place, outward, standing) =
-            (bind.read(Group::Place), bind.read(Group::Outward), bind.write(Group::Standing));
-        let (deformation, gradient) = (Deformations::of(bind, references), bind.read(Group::Gradient));
+            (groups::Place::read(bind).position, groups::Outward::read(bind), groups::Standing::write(bind));
+        let (deformation, gradient) =
+            (Deformations::of(bind, references), groups::Gradient::read(bind).velocity_gradient);
         let (f, zero) = (deformation.since_reference(i), Recorded::zero());
-        let (normal, arm) = (outward.vector(0, i), outward.vector(3, i));
+        let (normal, arm) = (outward.normal.get(i), outward.arm.get(i));
         let near = || {
             let face = FaceShift::of(&deformation.whole(i), arm);
-            let ([x, y, z], [u, v, w]) = (face.shift(), face.rate(&gradient.tensor(0, i)));
+            let ([x, y, z], [u, v, w]) = (face.shift(), face.rate(&gradient.get(i)));
             [x, y, z, u, v, w]
         };
         let face = Recorded::if_lt(zero, dot(arm, arm), near, || [zero; 6]);
         for a in 0..3 {
-            let z = added(place.double(a, 3 + a, i), face[a]);
-            standing.set(a, i, z[0]);
-            standing.set(3 + a, i, z[1]);
+            let z = added(place.axis(a).get(i), face[a]);
+            standing.position.axis(a).set(i, z);
         }
-        standing.set_all(6, i, &face[3..]);
+        standing.velocity.set(i, [face[3], face[4], face[5]]);
         let normal = Recorded::if_lt(zero, dot(normal, normal), || surface_normal(&f, normal), || [zero; 3]);
-        standing.set_all(9, i, &normal);
+        standing.normal.set(i, normal);
     })
 }
 
@@ -90,10 +76,10 @@ pub(in crate::engine) fn stand(references: References, count: usize) -> Result<R
 #[derive(Clone, Copy)]
 struct Bodies {
     /// Contact positions.
-    place: Reading,
-    constants: Reading,
+    place: CompensatedVector<Read>,
+    constants: groups::Constants<Read>,
     body: Indices,
-    laws: Reading,
+    laws: groups::ContactLaws<Records>,
     count: u32,
     surfaces: Option<Surfaces>,
     itself: Option<SelfContact>,
@@ -102,22 +88,27 @@ struct Bodies {
 /// Surfaces of the total Lagrangian form.
 #[derive(Clone, Copy)]
 struct Surfaces {
-    standing: Reading,
-    reference: Reading,
-    outward: Reading,
+    standing: groups::Standing<Read>,
+    reference: groups::Reference<Read>,
+    outward: groups::Outward<Read>,
 }
 
 /// The contact of a body with itself.
 #[derive(Clone, Copy)]
 pub(super) struct SelfContact {
     surfaces: Surfaces,
-    constants: Reading,
+    constants: groups::Constants<Read>,
     apart: Option<Apart>,
 }
 
 impl SelfContact {
     /// Nothing without self-contact.
-    pub(super) fn of(bind: &mut Binder<'_>, model: &Model, references: References, constants: Reading) -> Option<Self> {
+    pub(super) fn of(
+        bind: &mut Binder<'_>,
+        model: &Model,
+        references: References,
+        constants: groups::Constants<Read>,
+    ) -> Option<Self> {
         let of = |bind: &mut Binder<'_>| Self {
             surfaces: Surfaces::of(bind),
             constants,
@@ -146,8 +137,8 @@ impl SelfContact {
 /// Pairs of particles of one body that meet at their facets.
 #[derive(Clone, Copy)]
 pub(super) struct SelfPairs {
-    reference: Reading,
-    constants: Reading,
+    reference: groups::Reference<Read>,
+    constants: groups::Constants<Read>,
     apart: Option<Apart>,
 }
 
@@ -155,8 +146,8 @@ impl SelfPairs {
     /// Nothing without self-contact.
     pub(super) fn of(bind: &mut Binder<'_>, model: &Model, references: References) -> Option<Self> {
         let of = |bind: &mut Binder<'_>| Self {
-            reference: bind.read(Group::Reference),
-            constants: bind.read(Group::Constants),
+            reference: groups::Reference::read(bind),
+            constants: groups::Constants::read(bind),
             apart: Apart::of(bind, model, references),
         };
         model.has_self_contact().then(|| of(bind))
@@ -165,7 +156,7 @@ impl SelfPairs {
     /// One if particles of a body may meet: they were not neighbours, and the body has not come apart; else zero.
     pub(super) fn meet<const D: usize>(self, model: &Model, i: Index, image: &Image, j: Index) -> Recorded {
         let (zero, one) = (Recorded::zero(), Recorded::one());
-        let x = apart::<D>(image, &places(self.reference, i), &places(self.reference, j));
+        let x = apart::<D>(image, &self.reference.position.get(i), &self.reference.position.get(j));
         let reach = Recorded::of(model.numerics.kernel.support()) * at_start(self.constants)(i);
         let meet = Recorded::select_lt(dot(x, x), reach * reach, zero, one);
         // A body that has come apart is renewed often, and meets itself in the sums.
@@ -176,13 +167,13 @@ impl SelfPairs {
 impl Bodies {
     fn of(bind: &mut Binder<'_>, model: &Model, references: References) -> Self {
         let surfaces = model.has_faces().then(|| Surfaces::of(bind));
-        let constants = bind.read(Group::Constants);
+        let constants = groups::Constants::read(bind);
         Self {
-            place: surfaces.map_or_else(|| bind.read(Group::Place), |of| of.standing),
+            place: surfaces.map_or_else(|| groups::Place::read(bind).position, |of| of.standing.position),
             surfaces,
             constants,
             body: bind.indices(Group::Body),
-            laws: bind.read(Group::ContactLaws),
+            laws: groups::ContactLaws::records(bind),
             count: model.bodies.len() as u32,
             itself: SelfContact::of(bind, model, references, constants),
         }
@@ -212,24 +203,26 @@ impl Bodies {
     }
 
     fn volume(self, i: Index) -> Recorded {
-        self.constants.get(6, i)
+        self.constants.volume_at_rest.get(i)
     }
 
     /// The law of two particles, and the share of the heat of friction that the first receives.
     fn law(self, i: Index, j: Index) -> (ContactLaw<Recorded>, Recorded) {
         let pair = self.body.at(i) * Index::of(self.count) + self.body.at(j);
-        let number = |k: usize| law_number(self.laws, pair, k);
-        let inverse_sums = (number(0), number(1));
-        (ContactLaw { inverse_sums, modulus: number(2), damping: number(3), friction: number(4) }, number(5))
+        let laws = self.laws;
+        let [first, second] = laws.inverse_sums.get(pair);
+        let (modulus, damping, friction) = (laws.modulus.get(pair), laws.damping.get(pair), laws.friction.get(pair));
+        let law = ContactLaw { inverse_sums: (first, second), modulus, damping, friction };
+        (law, laws.friction_share.get(pair))
     }
 }
 
 impl Surfaces {
     fn of(bind: &mut Binder<'_>) -> Self {
         Self {
-            standing: bind.read(Group::Standing),
-            reference: bind.read(Group::Reference),
-            outward: bind.read(Group::Outward),
+            standing: groups::Standing::read(bind),
+            reference: groups::Reference::read(bind),
+            outward: groups::Outward::read(bind),
         }
     }
 
@@ -239,21 +232,21 @@ impl Surfaces {
         i: Index,
         pair: &Pair,
         j: Index,
-        constants: Reading,
+        constants: groups::Constants<Read>,
         sides: impl Fn(Vector<Recorded>, Vector<Recorded>) -> Recorded,
     ) -> Recorded {
         let (zero, image) = (Recorded::zero(), &pair.image);
-        let (then_i, now_i) = (self.outward.vector(0, i), self.standing.vector(9, i));
-        let x = apart::<D>(image, &places(self.reference, i), &places(self.reference, j));
+        let (then_i, now_i) = (self.outward.normal.get(i), self.standing.normal.get(i));
+        let x = apart::<D>(image, &self.reference.position.get(i), &self.reference.position.get(j));
         let mut r2 = zero;
         for c in &x[..D] {
             r2 = c.mul_add(*c, r2);
         }
-        let then_j = image.vector(self.outward.vector(0, j));
-        let sheet = sides_of_a_sheet(x, then_i, then_j, constants.get(3, i));
-        let sides = sides(now_i, image.vector(self.standing.vector(9, j)));
+        let then_j = image.vector(self.outward.normal.get(j));
+        let sheet = sides_of_a_sheet(x, then_i, then_j, constants.spacing.get(i));
+        let sides = sides(now_i, image.vector(self.standing.normal.get(j)));
         let presses = Recorded::select_lt(sheet, Recorded::of(0.5), sides, zero);
-        let reach = Recorded::of(model.numerics.kernel.support()) * constants.get(1, i);
+        let reach = Recorded::of(model.numerics.kernel.support()) * constants.smoothing_length.get(i);
         let presses = Recorded::select_lt(r2, reach * reach, zero, presses);
         // Inside there is no normal.
         let exposed = dot(then_i, then_i).min(dot(then_j, then_j));
@@ -275,7 +268,7 @@ pub(in crate::engine) fn overlap<const D: usize>(
     recording("overlap", count, |bind, thread| {
         let i = bind.indices(Group::Surface).at(thread);
         let bodies = Bodies::of(bind, model, references);
-        let overlaps = bind.write(Group::Overlap);
+        let overlaps = groups::Overlap::write(bind);
         let volume = bodies.volume(i);
         let first = Overlap::before_the_first();
         let start = [first.overlap, first.away[0], first.away[1], first.away[2], first.weight];
@@ -285,7 +278,10 @@ pub(in crate::engine) fn overlap<const D: usize>(
             sum.add(&bodies.law(i, j).0, &kernel_of(model, pair), pair.x, volume, bodies.volume(j));
             [sum.overlap, sum.away[0], sum.away[1], sum.away[2], sum.weight]
         });
-        overlaps.set_all(0, i, &sum);
+        let [overlap, x, y, z, weight] = sum;
+        overlaps.overlap.set(i, overlap);
+        overlaps.away.set(i, [x, y, z]);
+        overlaps.weight.set(i, weight);
     })
 }
 
@@ -304,8 +300,8 @@ impl Numbers<Recorded> for Pressed {
     }
 }
 
-fn overlap_of(overlaps: Reading, i: Index) -> Overlap<Recorded> {
-    Overlap { overlap: overlaps.get(0, i), away: overlaps.vector(1, i), weight: overlaps.get(4, i) }
+fn overlap_of(overlaps: groups::Overlap<Read>, i: Index) -> Overlap<Recorded> {
+    Overlap { overlap: overlaps.overlap.get(i), away: overlaps.away.get(i), weight: overlaps.weight.get(i) }
 }
 
 /// Second pass: forces and their heat. A force on a face has a moment about the particle, which enters as a stress of
@@ -323,17 +319,17 @@ pub(in crate::engine) fn press<const D: usize>(
         let i = bind.indices(Group::Surface).at(thread);
         let bodies = Bodies::of(bind, model, references);
         let (overlaps, evaluated, step) =
-            (bind.read(Group::Overlap), bind.read(Group::Evaluated), bind.read(Group::Step));
-        let (dt, half, zero) = (step.get(0, Index::of(DT)), Recorded::of(0.5), Recorded::zero());
-        let (mass, volume) = (bodies.constants.get(0, i), bodies.volume(i));
+            (groups::Overlap::read(bind), groups::Evaluated::read(bind).velocity, groups::Step::shared(bind));
+        let (dt, half, zero) = (step.dt.value(), Recorded::of(0.5), Recorded::zero());
+        let (mass, volume) = (bodies.constants.mass.get(i), bodies.volume(i));
         let own = overlap_of(overlaps, i);
         // Velocity of the face relative to the particle.
-        let rate = |of: Index| bodies.surfaces.map(|surfaces| surfaces.standing.vector(6, of));
-        let (v_i, rate_i) = (evaluated.vector(0, i), rate(i));
+        let rate = |of: Index| bodies.surfaces.map(|surfaces| surfaces.standing.velocity.get(of));
+        let (v_i, rate_i) = (evaluated.get(i), rate(i));
         // The force of a contact pair, and the part due to its law.
         let push = |pair: &Pair, j: Index| {
             let image = &pair.image;
-            let v_j = image.vector(evaluated.vector(0, j));
+            let v_j = image.vector(evaluated.get(j));
             let mut v = [0, 1, 2].map(|a| v_i[a] - v_j[a]);
             if let Some((rate_i, rate_j)) = rate_i.zip(rate(j)) {
                 let rate_j = image.vector(rate_j);
@@ -345,7 +341,7 @@ pub(in crate::engine) fn press<const D: usize>(
             let (kernel, other_volume) = (kernel_of(model, pair), bodies.volume(j));
             let weight = kernel.weight(volume, other_volume);
             let overlaps = (own.overlap, other.overlap);
-            let other_mass = bodies.constants.get(0, j);
+            let other_mass = bodies.constants.mass.get(j);
             let force = contact_force(
                 &law,
                 &ContactPair {
@@ -360,7 +356,7 @@ pub(in crate::engine) fn press<const D: usize>(
             (force, friction_share, law, kernel, overlaps, other_volume)
         };
         if let Some(through) = through {
-            let place = bodies.surfaces.map_or(bodies.place, |_| bind.read(Group::Place));
+            let place = bodies.surfaces.map_or(bodies.place, |_| groups::Place::read(bind).position);
             let crossing = Crossing::of(bind, model, through, i, place);
             let sum =
                 bodies.over_pressing::<_, D>(bind, model, grid, i, [zero; 3], |sum: Vector<Recorded>, pair, j| {
@@ -369,9 +365,11 @@ pub(in crate::engine) fn press<const D: usize>(
             crossing.set(sum, true);
             return;
         }
-        let meetings = bind.write(Group::Meetings);
+        let meetings = groups::Meetings::write(bind);
         each_body(model.bodies.len(), |body| {
-            (0..WORKS[0].0).for_each(|field| meetings.set_in_group((body, MEETING), field, i, zero));
+            let meeting = meetings.of_value(body);
+            meeting.force.set(i, [zero; 3]);
+            meeting.powers.set(i, [zero; 3]);
         });
         let start = Pressed { sums: [zero; 6], stiffness: ContactStiffness::none() };
         let all = bodies.over_pressing::<_, D>(bind, model, grid, i, start, |mut state: Pressed, pair, j| {
@@ -384,11 +382,10 @@ pub(in crate::engine) fn press<const D: usize>(
             sums[5] = sums[5].max(force.approach);
             // The other half comes from the row of the other particle.
             let halves = [force.stored, force.rubbed, force.damped].map(|power| half * power);
-            let body = (bodies.body.at(j), MEETING);
+            let meeting = meetings.of_value(bodies.body.at(j));
             let book = || {
-                for (field, part) in force.force.into_iter().chain(halves).enumerate() {
-                    meetings.add_in_group(body, field, i, part);
-                }
+                meeting.force.add(i, force.force);
+                meeting.powers.add(i, halves);
                 NOTHING
             };
             Recorded::if_lt(zero, dot(force.force, force.force), book, || NOTHING);
@@ -397,22 +394,28 @@ pub(in crate::engine) fn press<const D: usize>(
         });
         let [x, y, z, heat, friction, approach] = all.sums;
         let force: Vector<Recorded> = [x, y, z];
-        let (contact, external) = (bind.write(Group::Contact), bind.write(Group::External));
-        external.set(4, i, external.get(4, i) + friction / mass);
+        let (contact, external) = (groups::Contact::write(bind), groups::External::write(bind));
+        external.friction_heat.set(i, external.friction_heat.get(i) + friction / mass);
         let mut along = zero;
         if let Some((surfaces, rate)) = bodies.surfaces.zip(rate_i) {
-            let (face_stress, deformation) = (bind.write(Group::FaceStress), Deformations::of(bind, references));
-            let arm = surfaces.outward.vector(3, i);
+            let (face_stress, deformation) =
+                (groups::FaceStress::write(bind).stress, Deformations::of(bind, references));
+            let arm = surfaces.outward.arm.get(i);
             let f = deformation.since_reference(i);
             let moment = || FaceShift::of(&deformation.whole(i), arm).stress(&f, force);
             let moment = Recorded::if_lt(zero, dot(arm, arm), moment, || [[zero; 3]; 3]);
             for (k, moment) in moment.into_iter().flatten().enumerate() {
-                face_stress.set(k, i, face_stress.get(k, i) + moment / surfaces.reference.get(6, i));
+                let component = face_stress.component(k);
+                component.set(i, component.get(i) + moment / surfaces.reference.volume.high().get(i));
             }
             along = dot(force, rate);
         }
         let limit = all.stiffness.limit(&own, volume, mass);
-        contact.set_all(0, i, &[x, y, z, heat + along, approach, limit]);
+        let heat = heat + along;
+        contact.force.set(i, force);
+        contact.heat.set(i, heat);
+        contact.approach.set(i, approach);
+        contact.limit.set(i, limit);
     })
 }
 
@@ -420,13 +423,13 @@ pub(in crate::engine) fn press<const D: usize>(
 pub(in crate::engine) fn add(count: usize) -> Result<Recording, KernelFault> {
     recording("add_contact", count, |bind, thread| {
         let i = bind.indices(Group::Surface).at(thread);
-        let (contact, constants) = (bind.read(Group::Contact), bind.read(Group::Constants));
-        let (rates, energy) = (bind.write(Group::Rates), bind.write(Group::Energy));
-        let mass = constants.get(0, i);
+        let (contact, constants) = (groups::Contact::read(bind), groups::Constants::read(bind));
+        let (rates, energy) = (groups::Rates::write(bind), groups::Energy::write(bind));
+        let mass = constants.mass.get(i);
         for a in 0..3 {
-            rates.set(a, i, rates.get(a, i) + contact.get(a, i) / mass);
+            rates.acceleration.axis(a).set(i, rates.acceleration.axis(a).get(i) + contact.force.axis(a).get(i) / mass);
         }
-        energy.set(2, i, energy.get(2, i) + contact.get(3, i) / mass);
-        rates.set(6, i, rates.get(6, i).max(contact.get(4, i)));
+        energy.rate.set(i, energy.rate.get(i) + contact.heat.get(i) / mass);
+        rates.largest_mu.set(i, rates.largest_mu.get(i).max(contact.approach.get(i)));
     })
 }

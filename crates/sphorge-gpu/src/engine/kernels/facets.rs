@@ -5,14 +5,17 @@
 //! a particle and of its neighbours to the present where it needs them: that is short beside the law of a pair. The law
 //! is long, so a kernel has its text once, in a loop over facets, neighbours, cells and images.
 
-use super::contact::{LIMIT, MEETING, SelfPairs, each_body, law_number};
+use super::contact::{SelfPairs, each_body};
 use super::grid::Grid;
 use super::images::{Image, Planes};
-use super::neighbors::{ON_PLANE, over_list, places, strays};
+use super::neighbors::{ON_PLANE, over_list, strays};
 use super::reference::{Deformations, References};
 use super::section::{Crossing, Through};
-use crate::engine::columns::{Binder, Fields, Group, NOTHING, Reading, Recording, recording};
-use crate::engine::step_numbers::{DT, NUMBER};
+use crate::engine::columns::groups::{self, FACES};
+use crate::engine::columns::{
+    Binder, CompensatedVector, Group, Member, NOTHING, Read, ReadColumns, ReadRecords, ReadShared, Recording, Records,
+    ValuedMember, VectorColumns, WriteColumns, recording,
+};
 use crate::record::{Index, Indices, KernelFault, Recorded, Scope};
 use sphorge_engine::FacetLaws;
 use sphorge_engine::model::Model;
@@ -24,49 +27,13 @@ use sphorge_physics::gradient_correction::corrected;
 use sphorge_physics::pair::GradientSums;
 use sphorge_physics::tensor::{apply, dot, inverse, multiply};
 use sphorge_physics::thin::is_thin;
-use sphorge_physics::{Elementary, Numbers, Real, SymmetricTensor, Tensor, Vector};
-
-/// Numbers of a facet in [`Group::FacetTable`]: corners, middle, m, normal, curvature, 1/m, depth, m, the face of the cell
-/// that it is a part of, how many parts of this face precede it, and one for each of its edges that is free.
-pub(in crate::engine) const FACET: usize = 31;
-const MIDDLE: usize = 12;
-const NORMAL: usize = 15;
-const CURVATURE: usize = 18;
-const DEPTH: usize = 24;
-const FACE: usize = 25;
-const PART: usize = 26;
-const FREE: usize = 27;
+use sphorge_physics::{Elementary, Numbers, Real, Tensor, Vector};
 
 /// Whole numbers of a particle in [`Group::Facets`]: the first of its facets, the one behind its last, and its `id`.
 pub(in crate::engine) const FACETS: usize = 3;
 
-/// Numbers of a particle in [`Group::FacetMotion`]: velocity gradient, 1/s, and reach of its facets, m.
-pub(in crate::engine) const MOTION: usize = 10;
-/// Index of the reach among them.
-pub(in crate::engine) const REACH: usize = 9;
-
-/// Faces of a cell.
-const FACES: usize = 6;
-
-/// Numbers of a face in [`Group::Slips`]: slip along the first edge of its facet and square to it, m, stiffness, N/m, and
-/// power of the friction over it, m²/s; without stiffness the power, W.
-const SLIP: usize = 4;
-const RUBBED: usize = 3;
-/// Numbers of a particle there.
-pub(in crate::engine) const SLIPS: usize = SLIP * FACES;
-
-/// Numbers of a face in [`Group::Drives`]: sums over its pairs, stiffness, limit, and rate.
-const DRIVE: usize = 5;
-/// Numbers of a particle there.
-pub(in crate::engine) const DRIVES: usize = DRIVE * FACES;
-
 /// How much farther than the corners of facets owners are looked for: surfaces are curved.
 const FARTHER: f64 = 1.1;
-
-/// Indices of the power that the contact takes up and of the energy that it holds among the numbers of
-/// [`Group::Meetings`].
-const TAKEN_UP: usize = 3;
-pub(in crate::engine) const ENERGY: usize = 12;
 
 /// Numbers of the law of two bodies.
 pub(super) fn law_numbers(laws: &FacetLaws, (a, b): (usize, usize), friction_share: f64) -> [f64; 6] {
@@ -77,14 +44,18 @@ pub(super) fn law_numbers(laws: &FacetLaws, (a, b): (usize, usize), friction_sha
 /// Facets of the initial configuration, and who has them.
 #[derive(Clone, Copy)]
 struct Table {
-    numbers: Reading,
+    columns: groups::FacetTable<Records>,
     of_particles: Indices,
     stride: Index,
 }
 
 impl Table {
     fn of(bind: &mut Binder<'_>) -> Self {
-        Self { numbers: bind.read(Group::FacetTable), of_particles: bind.indices(Group::Facets), stride: bind.stride() }
+        Self {
+            columns: groups::FacetTable::records(bind),
+            of_particles: bind.indices(Group::Facets),
+            stride: bind.stride(),
+        }
     }
 
     fn first(self, i: Index) -> Index {
@@ -102,32 +73,24 @@ impl Table {
         [id.and(Index::of(!LOW)).number(), id.and(Index::of(LOW)).number()]
     }
 
-    fn number(self, facet: Index, field: usize) -> Recorded {
-        self.numbers.get_at(facet * Index::of(FACET as u32) + Index::of(field as u32))
-    }
-
-    fn vector(self, facet: Index, field: usize) -> Vector<Recorded> {
-        [0, 1, 2].map(|a| self.number(facet, field + a))
-    }
-
     fn facet(self, facet: Index) -> ReferenceFacet<Recorded> {
         ReferenceFacet {
-            corners: [0, 1, 2, 3].map(|corner| self.vector(facet, 3 * corner)),
-            middle: self.vector(facet, MIDDLE),
-            normal: self.vector(facet, NORMAL),
-            curvature: SymmetricTensor::from_array([0, 1, 2, 3, 4, 5].map(|k| self.number(facet, CURVATURE + k))),
-            depth: self.number(facet, DEPTH),
-            free: [0, 1, 2, 3].map(|edge| self.number(facet, FREE + edge)),
+            corners: self.columns.corners.get(facet),
+            middle: self.columns.middle.get(facet),
+            normal: self.columns.normal.get(facet),
+            curvature: self.columns.curvature.get(facet),
+            depth: self.columns.depth.get(facet),
+            free: self.columns.free.get(facet),
         }
     }
 
     fn face(self, facet: Index) -> Index {
-        Index::floor(self.number(facet, FACE))
+        Index::floor(self.columns.face.get(facet))
     }
 
     /// The first part of the same face.
     fn lead(self, facet: Index) -> Index {
-        facet + Index::floor(-self.number(facet, PART))
+        facet + Index::floor(-self.columns.part.get(facet))
     }
 }
 
@@ -173,26 +136,28 @@ pub(in crate::engine) fn follow<const D: usize>(
     let kernel = model.numerics.kernel;
     recording("follow_facets", count, |bind, thread| {
         let i = bind.indices(Group::Surface).at(thread);
-        let near = (bind.read(Group::Reference), bind.read(Group::Constants));
-        let (evaluated, correction) = (bind.read(Group::Evaluated), bind.read(Group::Correction));
-        let (gradient, deformation) = (bind.read(Group::Gradient), Deformations::of(bind, references));
-        let (table, motion) = (Table::of(bind), bind.write(Group::FacetMotion));
-        let own = evaluated.vector(0, i);
+        let near = (groups::Reference::read(bind), groups::Constants::read(bind));
+        let (evaluated, correction) =
+            (groups::Evaluated::read(bind).velocity, groups::Correction::read(bind).correction);
+        let (gradient, deformation) =
+            (groups::Gradient::read(bind).velocity_gradient, Deformations::of(bind, references));
+        let (table, motion) = (Table::of(bind), groups::FacetMotion::write(bind));
+        let own = evaluated.get(i);
         let zero = [[Recorded::zero(); 3]; 3];
         let sum = over_list::<_, D>(bind, model, i, near, zero, |gradient: [[Recorded; 3]; 3], pair, j| {
-            let other = pair.image.vector(evaluated.vector(0, j));
+            let other = pair.image.vector(evaluated.get(j));
             let (q, inverse_q) = pair.scale.reduced_distance(pair.r2);
-            let f = pair.scale.weighted(near.0.get(6, j)).f(kernel.dw_over_q_by(q, inverse_q));
+            let f = pair.scale.weighted(near.0.volume.high().get(j)).f(kernel.dw_over_q_by(q, inverse_q));
             let mut sums = GradientSums { gradient, ..GradientSums::zero() };
             sums.add::<D, false>(&pair.x, &[0, 1, 2].map(|a| other[a] - own[a]), f);
             sums.gradient
         });
-        let (correction, f) = (correction.tensor(0, i), deformation.since_reference(i));
+        let (correction, f) = (correction.get(i), deformation.since_reference(i));
         // What the sums of thin parts do not see across them is that of the middle of the step.
-        let thin = || gradient.tensor(0, i);
+        let thin = || gradient.get(i);
         let thick = || multiply(&corrected(&sum, &correction), &inverse(&f));
         let l = Recorded::if_lt(Recorded::zero(), is_thin(&correction), thin, thick);
-        motion.set_all(0, i, l.as_flattened());
+        motion.velocity_gradient.set(i, &l);
         let sizes = deformation.whole(i).map(|row| row.map(Real::abs));
         let farthest =
             bind.scope.fold(table.first(i), table.end(i), Recorded::zero(), |_, farthest: Recorded, facet| {
@@ -201,7 +166,7 @@ pub(in crate::engine) fn follow<const D: usize>(
                     farthest.max(dot(arm, arm))
                 })
             });
-        motion.set(REACH, i, Recorded::of(FARTHER) * farthest.sqrt());
+        motion.reach.set(i, Recorded::of(FARTHER) * farthest.sqrt());
     })
 }
 
@@ -209,12 +174,12 @@ pub(in crate::engine) fn follow<const D: usize>(
 #[derive(Clone, Copy)]
 struct Points {
     table: Table,
-    place: Reading,
+    place: CompensatedVector<Read>,
     deformation: Deformations,
-    motion: Reading,
-    evaluated: Reading,
+    motion: groups::FacetMotion<Read>,
+    evaluated: VectorColumns<Read>,
     body: Indices,
-    laws: Reading,
+    laws: groups::FacetLaws<Records>,
     bodies: u32,
     itself: Option<SelfPairs>,
 }
@@ -274,12 +239,12 @@ impl Points {
     fn of(bind: &mut Binder<'_>, model: &Model, references: References) -> Self {
         Self {
             table: Table::of(bind),
-            place: bind.read(Group::Place),
+            place: groups::Place::read(bind).position,
             deformation: Deformations::of(bind, references),
-            motion: bind.read(Group::FacetMotion),
-            evaluated: bind.read(Group::Evaluated),
+            motion: groups::FacetMotion::read(bind),
+            evaluated: groups::Evaluated::read(bind).velocity,
             body: bind.indices(Group::Body),
-            laws: bind.read(Group::ContactLaws),
+            laws: groups::FacetLaws::records(bind),
             bodies: model.bodies.len() as u32,
             itself: SelfPairs::of(bind, model, references),
         }
@@ -288,14 +253,13 @@ impl Points {
     /// The law of two particles, and the share of the heat of friction that the first receives.
     fn law(self, i: Index, j: Index) -> (FacetPairLaw<Recorded>, Recorded) {
         let pair = self.body.at(i) * Index::of(self.bodies) + self.body.at(j);
-        let number = |k: usize| law_number(self.laws, pair, k);
         let law = FacetPairLaw {
-            stiffness: number(0),
-            damping: number(1),
-            friction: number(2),
-            tangential_stiffness: number(3),
+            stiffness: self.laws.stiffness.get(pair),
+            damping: self.laws.damping.get(pair),
+            friction: self.laws.friction.get(pair),
+            tangential_stiffness: self.laws.tangential_stiffness.get(pair),
         };
-        (law, number(5))
+        (law, self.laws.friction_share.get(pair))
     }
 
     /// Folds a state over every particle that has a contact with a particle and is not farther than `reach` (m) returns,
@@ -313,7 +277,7 @@ impl Points {
         let (starts, sorted, around) =
             (bind.indices(Group::CellStarts), bind.indices(Group::Sorted), bind.indices(Group::Around));
         let planes = Planes::of(model);
-        let own = places(self.place, i);
+        let own = self.place.get(i);
         let cells = Index::of((grid.around().len() / 3) as u32);
         let near = Recorded::of(strays(model) * grid.edge);
         let (zero, one) = (Recorded::zero(), Recorded::one());
@@ -338,7 +302,7 @@ impl Points {
                     let cell = grid.cell([0, 1, 2].map(|axis| steps[axis] + around.at(there + Index::of(axis as u32))));
                     scope.fold(starts.at(cell), starts.at(cell + Index::of(1)), state, |scope, state, at| {
                         let j = sorted.at(at);
-                        let other = places(self.place, j);
+                        let other = self.place.get(j);
                         let x = [0, 1, 2].map(|a| if a < D { image.apart(a, own[a], other[a]) } else { zero });
                         let reach = reach(j);
                         let mut meets = Recorded::select_lt(dot(x, x), reach * reach, one, zero);
@@ -375,19 +339,19 @@ impl Points {
         visit: impl FnOnce(S, &Met<'_>) -> S,
     ) -> S {
         let table = self.table;
-        let (f_i, v_i, l_i) = (self.deformation.whole(i), self.evaluated.vector(0, i), self.motion.tensor(0, i));
+        let (f_i, v_i, l_i) = (self.deformation.whole(i), self.evaluated.get(i), self.motion.velocity_gradient.get(i));
         let ([high_i, low_i], first_i) = (table.id(i), table.first(i));
         let (zero, one) = (Recorded::zero(), Recorded::one());
         // Facets of one particle have it in common.
         let _ = inverse(&f_i);
-        let reach_i = self.motion.get(REACH, i);
-        let reach = |j: Index| reach_i + self.motion.get(REACH, j);
+        let reach_i = self.motion.reach.get(i);
+        let reach = |j: Index| reach_i + self.motion.reach.get(j);
         self.over_near::<S, D>(bind, model, grid, i, reach, start, |scope, state, near| {
             let Near { image, x, j } = *near;
             let has_images = Planes::of(model).images().count() > 1;
             let f_j = self.deformation.whole(j);
             let _ = inverse(&f_j);
-            let (v_j, l_j) = (image.vector(self.evaluated.vector(0, j)), image.tensor(&self.motion.tensor(0, j)));
+            let (v_j, l_j) = (image.vector(self.evaluated.get(j)), image.tensor(&self.motion.velocity_gradient.get(j)));
             let (law, friction_share) = self.law(i, j);
             // The same order from both sides.
             let [high_j, low_j] = table.id(j);
@@ -434,7 +398,7 @@ impl Points {
         bind.scope.fold(table.first(i), table.end(i), zero, |_, sum: Recorded, facet| {
             let (slip, power) = springs.of_face(i, table.face(facet));
             let of_face = Recorded::select_lt(zero, slip.stiffness, zero, power);
-            sum + Recorded::select_lt(table.number(facet, PART), Recorded::of(0.5), of_face, zero)
+            sum + Recorded::select_lt(table.columns.part.get(facet), Recorded::of(0.5), of_face, zero)
         })
     }
 
@@ -455,14 +419,15 @@ impl Points {
 /// Tangential springs of facets.
 #[derive(Clone, Copy)]
 struct Springs {
-    slips: Reading,
+    slips: groups::Slips<Read>,
 }
 
 impl Springs {
     /// The spring of a face, and what it rubs.
     fn of_face(self, i: Index, face: Index) -> (FacetSlip<Recorded>, Recorded) {
-        let number = |field: usize| self.slips.get_in_group((face, SLIP), field, i);
-        (FacetSlip { slip: [number(0), number(1)], stiffness: number(2) }, number(RUBBED))
+        let of_face = self.slips.of_value(face);
+        let slip = FacetSlip { slip: of_face.slip.get(i), stiffness: of_face.stiffness.get(i) };
+        (slip, of_face.rubbed.get(i))
     }
 
     /// The slip of the face of a facet in space, m.
@@ -490,20 +455,20 @@ pub(in crate::engine) fn slip<const D: usize>(
     recording("slip_facets", count, |bind, thread| {
         let i = bind.indices(Group::Surface).at(thread);
         let points = Points::of(bind, model, references);
-        let (slips, drives) = (bind.write(Group::Slips), bind.write(Group::Drives));
-        let dt = bind.read(Group::Step).get(0, Index::of(DT));
+        let (slips, drives) = (groups::Slips::write(bind), groups::Drives::write(bind));
+        let dt = groups::Step::shared(bind).dt.value();
         let table = points.table;
         let (zero, half) = (Recorded::zero(), Recorded::of(0.5));
-        for field in 0..DRIVES {
-            drives.set(field, i, zero);
+        for face in 0..FACES {
+            drives.of(face).parts.set(i, [zero; 5]);
         }
         points.each::<_, D>(bind, model, grid, i, NOTHING, |nothing, met| {
-            let face = (table.face(met.facets[0]), DRIVE);
+            let drives = drives.of_value(table.face(met.facets[0]));
             let mut drive = SlipDrive::none();
             drive.add(&FrictionShare::of(&met.press, &met.law, met.velocity, false));
             let mut field = 0;
             drive.each(&mut |part| {
-                drives.add_in_group(face, field, i, *part);
+                drives.parts.number(field).add(i, *part);
                 field += 1;
             });
             nothing
@@ -512,23 +477,23 @@ pub(in crate::engine) fn slip<const D: usize>(
         bind.scope.fold(table.first(i), table.end(i), NOTHING, |_, nothing, facet| {
             let update = || {
                 let face = table.face(facet);
-                let at = |field: usize| slips.get_in_group((face, SLIP), field, i);
-                let before = FacetSlip { slip: [at(0), at(1)], stiffness: at(2) };
+                let (slips, drives) = (slips.of_value(face), drives.of_value(face));
+                let before = FacetSlip { slip: slips.slip.get(i), stiffness: slips.stiffness.get(i) };
                 let mut drive = SlipDrive::none();
                 let mut field = 0;
                 drive.each(&mut |part| {
-                    *part = drives.get_in_group((face, DRIVE), field, i);
+                    *part = drives.parts.number(field).get(i);
                     field += 1;
                 });
                 let (after, heat) = slip_after(&before, &carried(table, facet, &f, None).0, &drive, dt);
                 let power = Recorded::if_lt(zero, dt, || heat / dt, || zero);
                 let rubbed = Recorded::if_lt(zero, after.stiffness, || power / after.stiffness, || power);
-                for (field, number) in [after.slip[0], after.slip[1], after.stiffness, rubbed].into_iter().enumerate() {
-                    slips.set_in_group((face, SLIP), field, i, number);
-                }
+                slips.slip.set(i, after.slip);
+                slips.stiffness.set(i, after.stiffness);
+                slips.rubbed.set(i, rubbed);
                 NOTHING
             };
-            Recorded::if_lt(table.number(facet, PART), half, update, || nothing)
+            Recorded::if_lt(table.columns.part.get(facet), half, update, || nothing)
         });
     })
 }
@@ -564,7 +529,7 @@ pub(in crate::engine) fn press<const D: usize>(
     recording(&Through::name(through, "press_facets"), count, |bind, thread| {
         let i = bind.indices(Group::Surface).at(thread);
         let points = Points::of(bind, model, references);
-        let springs = model.contact.has_friction().then(|| Springs { slips: bind.read(Group::Slips) });
+        let springs = model.contact.has_friction().then(|| Springs { slips: groups::Slips::read(bind) });
         let (zero, half) = (Recorded::zero(), Recorded::of(0.5));
         let has_images = Planes::of(model).images().count() > 1;
         // The pair with the forces of damping and friction; the heat of damping, the work of friction, W, what the own
@@ -592,7 +557,7 @@ pub(in crate::engine) fn press<const D: usize>(
             (press, damped, rubbed, held)
         };
         if let Some(through) = through {
-            let place = bind.read(Group::Place);
+            let place = groups::Place::read(bind).position;
             let crossing = Crossing::of(bind, model, through, i, place);
             let sum = points.each::<_, D>(bind, model, grid, i, [zero; 3], |sum: Vector<Recorded>, met| {
                 let force = || pushed(met).0.force.map(|c| met.sign * c);
@@ -601,16 +566,17 @@ pub(in crate::engine) fn press<const D: usize>(
             crossing.set(sum, true);
             return;
         }
-        let step = bind.read(Group::Step);
-        let (constants, reference) = (bind.read(Group::Constants), bind.read(Group::Reference));
-        let (meetings, contact) = (bind.write(Group::Meetings), bind.write(Group::Contact));
-        let (external, face_stress) = (bind.write(Group::External), bind.write(Group::FaceStress));
-        let mass = constants.get(0, i);
-        let (v, l) = (points.evaluated.vector(0, i), points.motion.tensor(0, i));
+        let step = groups::Step::shared(bind);
+        let (constants, reference) = (groups::Constants::read(bind), groups::Reference::read(bind));
+        let (meetings, contact) = (groups::Meetings::write(bind), groups::Contact::write(bind));
+        let (external, face_stress) = (groups::External::write(bind), groups::FaceStress::write(bind).stress);
+        let mass = constants.mass.get(i);
+        let (v, l) = (points.evaluated.get(i), points.motion.velocity_gradient.get(i));
         each_body(model.bodies.len(), |body| {
-            for field in (0..TAKEN_UP + 3).chain([ENERGY]) {
-                meetings.set_in_group((body, MEETING), field, i, zero);
-            }
+            let meeting = meetings.of_value(body);
+            meeting.force.set(i, [zero; 3]);
+            meeting.powers.set(i, [zero; 3]);
+            meeting.energy.set(i, zero);
         });
         let start = Pressed { sums: [zero; 5], moment: [[zero; 3]; 3], stiffness: FacetStiffness::none() };
         let all = points.each::<_, D>(bind, model, grid, i, start, |mut state: Pressed, met| {
@@ -633,12 +599,11 @@ pub(in crate::engine) fn press<const D: usize>(
             state.sums[3] += damped + friction;
             state.sums[4] += friction;
             state.stiffness.add(&met.press, &met.law, mass);
-            let body = (points.body.at(met.j), MEETING);
-            let booked = [force[0], force[1], force[2], -(power + friction + damped), friction, damped];
-            for (field, part) in booked.into_iter().enumerate() {
-                meetings.add_in_group(body, field, i, part);
-            }
-            meetings.add_in_group(body, ENERGY, i, half * met.press.energy + held);
+            let meeting = meetings.of_value(points.body.at(met.j));
+            let powers = [-(power + friction + damped), friction, damped];
+            meeting.force.add(i, force);
+            meeting.powers.add(i, powers);
+            meeting.energy.add(i, half * met.press.energy + held);
             state
         });
         let [x, y, z, mut heat, mut friction] = all.sums;
@@ -647,9 +612,12 @@ pub(in crate::engine) fn press<const D: usize>(
             heat += released;
             friction += released;
             let book = || {
-                let body = (points.nearest::<D>(bind, model, grid, i), MEETING);
-                meetings.add_in_group(body, TAKEN_UP, i, -released);
-                meetings.add_in_group(body, TAKEN_UP + 1, i, released);
+                let [stored, friction, _] = {
+                    let meeting = meetings.of_value(points.nearest::<D>(bind, model, grid, i));
+                    [0, 1, 2].map(|k| meeting.powers.number(k))
+                };
+                stored.add(i, -released);
+                friction.add(i, released);
                 NOTHING
             };
             Recorded::if_lt(zero, released.abs(), book, || NOTHING);
@@ -657,21 +625,25 @@ pub(in crate::engine) fn press<const D: usize>(
         for k in 0..3 {
             heat += dot(all.moment[k], l[k]);
         }
-        external.set(4, i, external.get(4, i) + friction / mass);
+        external.friction_heat.set(i, external.friction_heat.get(i) + friction / mass);
         let f = points.deformation.since_reference(i);
         for (k, moment) in stress_of_moment(&all.moment, &f).into_iter().flatten().enumerate() {
-            face_stress.set(k, i, face_stress.get(k, i) - moment / reference.get(6, i));
+            let component = face_stress.component(k);
+            component.set(i, component.get(i) - moment / reference.volume.high().get(i));
         }
-        contact.set_all(0, i, &[x, y, z, heat, zero, all.stiffness.limit()]);
-        debug_assert_eq!(LIMIT, 5);
+        let limit = all.stiffness.limit();
+        contact.force.set(i, [x, y, z]);
+        contact.heat.set(i, heat);
+        contact.approach.set(i, zero);
+        contact.limit.set(i, limit);
         // Bodies may start pressed: what they hold then has not been taken up.
         let begin = || {
             each_body(model.bodies.len(), |body| {
-                let held = meetings.get_in_group((body, MEETING), ENERGY, i);
-                meetings.set_in_group((body, MEETING), super::contact::WORKS[0].0, i, held);
+                let meeting = meetings.of_value(body);
+                meeting.works.number(0).high().set(i, meeting.energy.get(i));
             });
             NOTHING
         };
-        Recorded::if_lt(step.get(0, Index::of(NUMBER)), half, begin, || NOTHING);
+        Recorded::if_lt(step.number.value(), half, begin, || NOTHING);
     })
 }

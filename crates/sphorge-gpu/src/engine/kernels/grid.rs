@@ -3,8 +3,7 @@
 //! Cells repeat along each axis after a power of two, so that no bounding box is needed: particles a period away are
 //! near in the table, but too far away in space to count.
 
-use crate::engine::columns::{Binder, Fields, Group, Recording, recording};
-use crate::engine::step_numbers::GHOSTS_BEFORE;
+use crate::engine::columns::{Binder, Group, ReadColumns, ReadShared, Recording, groups, recording};
 use crate::record::{Index, KernelFault, Recorded};
 use sphorge_physics::{Real, Vector};
 
@@ -127,12 +126,12 @@ impl Sorted {
     /// The particle of a thread, and its cell.
     fn cell(self, bind: &mut Binder<'_>, grid: &Grid, thread: Index) -> (Index, Index) {
         let (i, place) = match self {
-            Self::Particles => (thread, bind.read(Group::Place)),
-            Self::Reference => (thread, bind.read(Group::Reference)),
-            Self::Surface => (bind.indices(Group::Surface).at(thread), bind.read(Group::Standing)),
-            Self::WithFacets => (bind.indices(Group::Surface).at(thread), bind.read(Group::Place)),
+            Self::Particles => (thread, groups::Place::read(bind).position),
+            Self::Reference => (thread, groups::Reference::read(bind).position),
+            Self::Surface => (bind.indices(Group::Surface).at(thread), groups::Standing::read(bind).position),
+            Self::WithFacets => (bind.indices(Group::Surface).at(thread), groups::Place::read(bind).position),
         };
-        (i, grid.cell(grid.steps(&|axis| place.get(axis, i))))
+        (i, grid.cell(grid.steps(&|axis| place.high().axis(axis).get(i))))
     }
 }
 
@@ -172,7 +171,7 @@ pub(in crate::engine) fn sorting(
             let (first, length) = chunk_of(chunk);
             let first = Index::of(places[level - 1][0]) + first;
             let sum =
-                bind.scope.fold(first, first + Index::of(length), Recorded::zero(), |_, sum, at| sum + sums.get(0, at));
+                bind.scope.fold(first, first + Index::of(length), Recorded::zero(), |_, sum, at| sum + sums.get_at(at));
             sums.set_at(Index::of(places[level][0]) + chunk, sum);
         })?;
         adding_up.push((kernel, levels[level]));
@@ -184,10 +183,10 @@ pub(in crate::engine) fn sorting(
             let sums = bind.write(Group::ChunkStarts);
             let (first, length) = chunk_of(chunk);
             let [own, starts] = places[level - 1].map(Index::of);
-            let start = sums.get(0, Index::of(places[level][1]) + chunk);
+            let start = sums.get_at(Index::of(places[level][1]) + chunk);
             bind.scope.fold(first, first + Index::of(length), start, |_, start, below| {
                 sums.set_at(starts + below, start);
-                start + sums.get(0, own + below)
+                start + sums.get_at(own + below)
             });
         })?;
         adding_up.push((kernel, levels[level]));
@@ -217,7 +216,7 @@ pub(in crate::engine) fn sorting(
         let (unsorted, sorted) = (bind.indices(Group::Unsorted), bind.index_output(Group::Sorted));
         let (first, end) = (starts.at(cell), starts.at(cell + Index::of(1)));
         // Ghosts that precede the own particles in the common order have the last indices.
-        let ghosts_before = has_ghosts.then(|| bind.read(Group::Step).get(0, Index::of(GHOSTS_BEFORE)));
+        let ghosts_before = has_ghosts.then(|| groups::Step::shared(bind).ghosts_before.value());
         let place = |i: Index| {
             let number = i.number();
             ghosts_before

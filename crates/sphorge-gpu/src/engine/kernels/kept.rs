@@ -4,30 +4,14 @@ use super::grid::Grid;
 use super::images::Planes;
 use super::neighbors::{Pair, over_own_body, searched};
 use super::reduce::{over_particles, rows};
-use crate::engine::columns::{Binder, Fields, Group, NOTHING, Reading, Recording, Writing, recording};
-use crate::engine::step_numbers::{NUMBER, ROOM};
+use crate::engine::columns::{
+    Binder, Group, NOTHING, Read, ReadColumns, ReadShared, Recording, Shared, Write, WriteColumns, Writing, groups,
+    recording,
+};
 use crate::record::{Index, IndexOutput, KernelFault, Recorded};
 use sphorge_engine::model::{AdaptiveSearch, Model};
 use sphorge_physics::tensor::dot;
-use sphorge_physics::{Elementary, Real};
-
-/// Index of the length of a list among the numbers of [`Group::Rows`].
-pub(in crate::engine) const LENGTH: usize = 0;
-/// For adaptive search: one if the particle was searched in this step, strain and plastic strain since its last search,
-/// and the step of that search.
-pub(in crate::engine) const MARKED: usize = 1;
-pub(in crate::engine) const STRAIN: usize = 2;
-pub(in crate::engine) const PLASTIC: usize = 3;
-pub(in crate::engine) const LAST: usize = 4;
-/// Numbers of a particle in it.
-pub(in crate::engine) const ROWS: usize = 5;
-
-/// Numbers of a particle in [`Group::SearchedAt`]: its position, m, with the rest, and the smoothing length of the
-/// search, m, if smoothing lengths change.
-pub(in crate::engine) const SEARCHED_AT: usize = 7;
-
-/// Index of the strain of the last step among the numbers of [`Group::StrainCorrection`], behind the correction.
-pub(in crate::engine) const STRAINED: usize = 9;
+use sphorge_physics::{Elementary, Real, Vector};
 
 /// Numbers of a row of [`Group::Ways`]: square of the largest displacement, m², the bounding box of all
 /// displacements, m, the longest list, the number of searched particles, and the thinnest skin, as a length to be
@@ -46,23 +30,23 @@ const BEYOND: f64 = 1e30;
 /// Lists that are written.
 #[derive(Clone, Copy)]
 struct Rows {
-    rows: Writing,
+    rows: groups::Rows<Write>,
     kept: IndexOutput,
     stored: Option<Writing>,
     stride: Index,
     room: Recorded,
-    step: Reading,
+    step: groups::Step<Shared>,
 }
 
 impl Rows {
     fn of(bind: &mut Binder<'_>, model: &Model) -> Self {
-        let step = bind.read(Group::Step);
+        let step = groups::Step::shared(bind);
         Self {
-            rows: bind.write(Group::Rows),
+            rows: groups::Rows::write(bind),
             kept: bind.index_output(Group::Kept),
             stored: model.keeps_distances().then(|| bind.write(Group::Stored)),
             stride: bind.stride(),
-            room: step.get(0, Index::of(ROOM)),
+            room: step.capacity.value(),
             step,
         }
     }
@@ -89,12 +73,21 @@ impl Rows {
     }
 
     fn is_marked(self, i: Index) -> Recorded {
-        self.rows.get(MARKED, i)
+        self.rows.is_marked.get(i)
     }
 
     fn set_length(self, i: Index, length: Recorded) {
-        self.rows.set(LENGTH, i, length);
+        self.rows.length.set(i, length);
     }
+}
+
+/// Whether a particle is searched, and strain, plastic strain and step since its last search.
+fn set_searched(rows: groups::Rows<Write>, i: Index, is_marked: Recorded, since: Vector<Recorded>) {
+    let [strain, plastic_strain, last_searched] = since;
+    rows.is_marked.set(i, is_marked);
+    rows.strain.set(i, strain);
+    rows.plastic_strain.set(i, plastic_strain);
+    rows.last_searched.set(i, last_searched);
 }
 
 /// Index of the distance of neighbour `k` along an axis in [`Group::Stored`].
@@ -109,20 +102,23 @@ pub(in crate::engine) fn search<const D: usize>(
     count: usize,
 ) -> Result<Recording, KernelFault> {
     recording("search", count, |bind, i| {
-        let near = (bind.read(Group::Place), searched(model, bind.read(Group::Constants)));
-        let (rows, searched_at) = (Rows::of(bind, model), bind.write(Group::SearchedAt));
+        let near = (groups::Place::read(bind).position, searched(model, groups::Constants::read(bind)));
+        let (rows, searched_at) = (Rows::of(bind, model), groups::SearchedAt::write(bind));
         let (zero, one) = (Recorded::zero(), Recorded::one());
         let length =
             over_own_body::<_, D>(bind, model, grid, i, near, zero, |k: Recorded, pair, j| rows.keep(i, k, pair, j));
         rows.set_length(i, length);
-        for k in 0..6 {
-            searched_at.set(k, i, near.0.get(k, i));
+        for part in [0, 1] {
+            for a in 0..3 {
+                searched_at.position.axis(a).part(part).set(i, near.0.axis(a).part(part).get(i));
+            }
         }
         if model.smoothing_follows_density() {
-            searched_at.set(6, i, near.1(i));
+            searched_at.smoothing_length.set(i, near.1(i));
         }
         if model.adaptive_search().is_some() {
-            rows.rows.set_all(MARKED, i, &[one, zero, zero, rows.step.get(0, Index::of(NUMBER))]);
+            let now = rows.step.number.value();
+            set_searched(rows.rows, i, one, [zero, zero, now]);
         }
     })
 }
@@ -130,21 +126,22 @@ pub(in crate::engine) fn search<const D: usize>(
 /// Particles that the rule searches: those that flow, and with the guard those that strain and contact candidates.
 pub(in crate::engine) fn mark(rule: AdaptiveSearch, count: usize) -> Result<Recording, KernelFault> {
     recording("mark", count, |bind, i| {
-        let (rows, plastic) = (bind.write(Group::Rows), bind.read(Group::Plastic));
-        let (step, patched) = (bind.read(Group::Step), bind.index_output(Group::Patched));
+        let (rows, plastic) = (groups::Rows::write(bind), groups::Plastic::read(bind));
+        let (step, patched) = (groups::Step::shared(bind), bind.index_output(Group::Patched));
         let (zero, one) = (Recorded::zero(), Recorded::one());
-        let increment = plastic.get(2, i);
-        let (mut strain, since) = (rows.get(STRAIN, i), rows.get(PLASTIC, i) + increment);
+        let increment = plastic.increment.get(i);
+        let (mut strain, since) = (rows.strain.get(i), rows.plastic_strain.get(i) + increment);
         let flow = if rule.accumulate { since } else { increment };
         let mut marked = Recorded::select_lt(Recorded::of(rule.plastic_strain_threshold), flow, one, zero);
         if let Some(bound) = rule.guard {
-            strain += bind.read(Group::StrainCorrection).get(STRAINED, i);
+            strain += groups::StrainCorrection::read(bind).strain.get(i);
             let strained = Recorded::select_lt(Recorded::of(bound), strain, one, zero);
-            marked = marked.max(strained).max(bind.read(Group::Candidates).get(0, i));
+            marked = marked.max(strained).max(groups::Candidates::read(bind).is_candidate.get(i));
         }
         let reset = |is: Recorded, not: Recorded| Recorded::select_lt(zero, marked, is, not);
-        let last = reset(step.get(0, Index::of(NUMBER)), rows.get(LAST, i));
-        rows.set_all(MARKED, i, &[marked, reset(zero, strain), reset(zero, since), last]);
+        let last = reset(step.number.value(), rows.last_searched.get(i));
+        let since_search = [reset(zero, strain), reset(zero, since), last];
+        set_searched(rows, i, marked, since_search);
         patched.set(i, Index::of(0));
     })
 }
@@ -154,7 +151,7 @@ pub(in crate::engine) fn count_marked(particles: usize, count: usize) -> Result<
     of_rows("count_marked", count, MARKED_ROWS, |rows, marked, i| {
         // Ghosts are counted on the rank where they are particles.
         let (i_number, end, zero) = (i.number(), Recorded::of(particles as f64), Recorded::zero());
-        marked + Recorded::select_lt(i_number, end, rows.get(MARKED, i), zero)
+        marked + Recorded::select_lt(i_number, end, rows.is_marked.get(i), zero)
     })
 }
 
@@ -166,7 +163,7 @@ pub(in crate::engine) fn search_marked<const D: usize>(
     count: usize,
 ) -> Result<Recording, KernelFault> {
     recording("search_marked", count, |bind, i| {
-        let near = (bind.read(Group::Place), searched(model, bind.read(Group::Constants)));
+        let near = (groups::Place::read(bind).position, searched(model, groups::Constants::read(bind)));
         let rows = Rows::of(bind, model);
         let patched = is_guarded.then(|| bind.index_output(Group::Patched));
         let patch = |j: Index| {
@@ -178,7 +175,7 @@ pub(in crate::engine) fn search_marked<const D: usize>(
         let is_marked = rows.is_marked(i);
         let again = || {
             if is_guarded {
-                let end = Index::floor(rows.rows.get(LENGTH, i));
+                let end = Index::floor(rows.rows.length.get(i));
                 bind.scope.fold(Index::of(0), end, NOTHING, |_, none, k| {
                     patch(planes.entry(rows.kept.at(rows.place(k, i))).0);
                     none
@@ -203,12 +200,12 @@ pub(in crate::engine) fn patch<const D: usize>(
     count: usize,
 ) -> Result<Recording, KernelFault> {
     recording("patch_rows", count, |bind, i| {
-        let near = (bind.read(Group::Place), searched(model, bind.read(Group::Constants)));
+        let near = (groups::Place::read(bind).position, searched(model, groups::Constants::read(bind)));
         let (rows, patched) = (Rows::of(bind, model), bind.indices(Group::Patched));
         let (zero, one, planes) = (Recorded::zero(), Recorded::one(), Planes::of(model));
         let is_due = patched.at(i).number() - rows.is_marked(i);
         let again = || {
-            let end = Index::floor(rows.rows.get(LENGTH, i));
+            let end = Index::floor(rows.rows.length.get(i));
             let staying = bind.scope.fold(Index::of(0), end, zero, |_, k: Recorded, old| {
                 let entry = rows.kept.at(rows.place(old, i));
                 let stays = || {
@@ -229,7 +226,7 @@ pub(in crate::engine) fn patch<const D: usize>(
 
 /// The longest list of each row of particles.
 pub(in crate::engine) fn longest_rows(count: usize) -> Result<Recording, KernelFault> {
-    of_rows("longest_rows", count, LONGEST_ROW, |rows, longest, i| longest.max(rows.get(LENGTH, i)))
+    of_rows("longest_rows", count, LONGEST_ROW, |rows, longest, i| longest.max(rows.length.get(i)))
 }
 
 /// Folds over the lists of the particles of each row, starting with zero, to a number of [`Group::Ways`].
@@ -237,12 +234,12 @@ fn of_rows(
     name: &str,
     count: usize,
     to: usize,
-    add: impl Fn(Reading, Recorded, Index) -> Recorded,
+    add: impl Fn(groups::Rows<Read>, Recorded, Index) -> Recorded,
 ) -> Result<Recording, KernelFault> {
     recording(name, count, |bind, row| {
-        let (lists, ways) = (bind.read(Group::Rows), bind.write(Group::Ways));
+        let (lists, ways) = (groups::Rows::read(bind), bind.write(Group::Ways));
         let all = over_particles(bind, (count, row), Recorded::zero(), |all, i| add(lists, all, i));
-        ways.set(0, Index::of((to * rows(count)) as u32) + row, all);
+        ways.set_at(Index::of((to * rows(count)) as u32) + row, all);
     })
 }
 
@@ -256,15 +253,15 @@ pub(in crate::engine) fn ways(
 ) -> Result<Recording, KernelFault> {
     let name = if since == Group::FoundAt { "ways_of_candidates" } else { "ways" };
     recording(name, count, |bind, row| {
-        let (place, searched_at) = (bind.read(Group::Place), bind.read(since));
-        let length = model.smoothing_follows_density().then(|| searched(model, bind.read(Group::Constants)));
+        let (place, searched_at) = (groups::Place::read(bind).position, groups::SearchedAt::read_of(bind, since));
+        let length = model.smoothing_follows_density().then(|| searched(model, groups::Constants::read(bind)));
         let wide = Recorded::of(1.0 + model.skin_fraction());
         let ways = bind.write(Group::Ways);
         let (zero, far) = (Recorded::zero(), Recorded::of(BEYOND));
         let start = [zero, far, far, far, -far, -far, -far, far];
         let all = over_particles(bind, (count, row), start, |mut all, i| {
             let way = [0, 1, 2].map(|a| {
-                let (now, then) = (place.double(a, 3 + a, i), searched_at.double(a, 3 + a, i));
+                let (now, then) = (place.axis(a).get(i), searched_at.position.axis(a).get(i));
                 (now[0] - then[0]) + (now[1] - then[1])
             });
             // Columns are padded to whole chunks.
@@ -276,13 +273,13 @@ pub(in crate::engine) fn ways(
                 all[HIGH + a] = all[HIGH + a].max(there(way[a], -far));
             }
             if let Some(length) = length {
-                let left = wide * searched_at.get(6, i) - length(i);
+                let left = wide * searched_at.smoothing_length.get(i) - length(i);
                 all[7] = all[7].min(there(left, far));
             }
             all
         });
         for (k, number) in (0..LONGEST_ROW).chain([THINNEST_SKIN]).zip(all) {
-            ways.set(0, Index::of((k * rows(count)) as u32) + row, number);
+            ways.set_at(Index::of((k * rows(count)) as u32) + row, number);
         }
     })
 }

@@ -2,44 +2,43 @@
 
 use super::motion::{Motions, When};
 use super::{contact, walls};
-use crate::engine::columns::{Binder, Fields, Group, Reading, Writing, added};
+use crate::engine::columns::{
+    Binder, Member, Read, ReadColumns, ReadShared, Shared, ValuedMember, Write, WriteColumns, added, groups,
+};
 use crate::record::{Index, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_physics::Real;
 use sphorge_physics::kick::{KickAccount, KickAxis};
 
-/// Index of the work against the artificial stress, J, among the accounts of a particle.
-pub(super) const ARTIFICIAL_WORK: usize = 12;
-
 /// The columns of a kick.
 #[derive(Clone, Copy)]
 pub(super) struct Kicks {
     /// Acceleration and XSPH velocity of the last forces.
-    pub(super) rates: Reading,
-    pub(super) external: Reading,
-    energy: Writing,
-    accounts: Writing,
-    walls: Option<(Writing, usize)>,
-    meetings: Option<(Writing, usize)>,
-    constants: Reading,
-    pub(super) step: Reading,
+    pub(super) rates: groups::Rates<Read>,
+    pub(super) external: groups::External<Read>,
+    energy: groups::Energy<Write>,
+    accounts: groups::Accounts<Write>,
+    walls: Option<(groups::Walls<Write>, usize)>,
+    meetings: Option<(groups::Meetings<Write>, usize)>,
+    constants: groups::Constants<Read>,
+    pub(super) step: groups::Step<Shared>,
     pub(super) motions: Option<Motions>,
 }
 
 impl Kicks {
     pub(super) fn of(bind: &mut Binder<'_>, model: &Model) -> Self {
         let count = model.walls.len();
-        let step = bind.read(Group::Step);
+        let step = groups::Step::shared(bind);
         Self {
             motions: Motions::of(bind, model, step),
             step,
-            rates: bind.read(Group::Rates),
-            external: bind.read(Group::External),
-            energy: bind.write(Group::Energy),
-            accounts: bind.write(Group::Accounts),
-            walls: (count > 0).then(|| (bind.write(Group::Walls), count)),
-            meetings: model.has_contact().then(|| (bind.write(Group::Meetings), model.bodies.len())),
-            constants: bind.read(Group::Constants),
+            rates: groups::Rates::read(bind),
+            external: groups::External::read(bind),
+            energy: groups::Energy::write(bind),
+            accounts: groups::Accounts::write(bind),
+            walls: (count > 0).then(|| (groups::Walls::write(bind), count)),
+            meetings: model.has_contact().then(|| (groups::Meetings::write(bind), model.bodies.len())),
+            constants: groups::Constants::read(bind),
         }
     }
 
@@ -53,7 +52,8 @@ impl Kicks {
         ahead: Recorded,
         (dt, when): (Recorded, When),
     ) -> ([Recorded; 2], KickAxis<Recorded>) {
-        let (acceleration, pushed) = (self.rates.get(a, i), self.external.get(a, i));
+        let (acceleration, pushed) =
+            (self.rates.acceleration.axis(a).get(i), self.external.acceleration.axis(a).get(i));
         let pair = acceleration - pushed;
         let (mut gained, mut beyond) = (dt * acceleration, dt * pushed);
         let mut after = added(before, gained);
@@ -71,33 +71,35 @@ impl Kicks {
 
     /// Adds a kick over a time to the accounts.
     pub(super) fn book(self, i: Index, axes: &[KickAxis<Recorded>; 3], dt: Recorded) {
-        let mass = self.constants.get(0, i);
+        let mass = self.constants.mass.get(i);
         let mut account = KickAccount::zero();
         for (a, axis) in axes.iter().enumerate() {
             account.add(a, axis, mass, dt);
         }
-        self.energy.add(0, 1, i, dt * self.energy.get(2, i) + account.energy);
+        self.energy.energy.add(i, dt * self.energy.rate.get(i) + account.energy);
         // For walls, the work beyond that of their force on the centre.
-        self.accounts.add(0, 1, i, account.work + mass * self.external.get(3, i) * dt);
+        self.accounts.external_work.add(i, account.work + mass * self.external.power.get(i) * dt);
         for (a, impulse) in account.impulse.into_iter().enumerate() {
-            self.accounts.add(2 + 2 * a, 3 + 2 * a, i, impulse);
+            self.accounts.impulse.number(a).add(i, impulse);
         }
-        self.accounts.add(8, 9, i, mass * account.energy);
-        for (part, account) in [(3, 10), (4, ARTIFICIAL_WORK), (5, 14)] {
-            self.accounts.add(account, account + 1, i, mass * dt * self.energy.get(part, i));
+        self.accounts.integration.add(i, mass * account.energy);
+        for (rate, account) in [
+            (self.energy.viscous_rate, self.accounts.viscous),
+            (self.energy.artificial_stress_rate, self.accounts.artificial_stress),
+            (self.energy.hourglass_rate, self.accounts.hourglass),
+        ] {
+            account.add(i, mass * dt * rate.get(i));
         }
         if let Some((meetings, bodies)) = self.meetings {
             contact::each_body(bodies, |body| {
-                for (work, power) in contact::WORKS {
-                    meetings.book_in_group((body, contact::MEETING), (work, power), i, dt);
-                }
+                let meeting = meetings.of_value(body);
+                meeting.works.book(meeting.powers, i, dt);
             });
         }
         if let Some((of_walls, count)) = self.walls {
-            for wall in (0..count).map(|k| walls::FIELDS * k) {
+            for wall in (0..count).map(|k| of_walls.of(k)) {
                 for sum in 0..walls::SUMS {
-                    let done = dt * of_walls.get(wall + 2 * walls::SUMS + sum, i);
-                    of_walls.add(wall + 2 * sum, wall + 2 * sum + 1, i, done);
+                    wall.works.number(sum).add(i, dt * wall.powers.number(sum).get(i));
                 }
             }
         }

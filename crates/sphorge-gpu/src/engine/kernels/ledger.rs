@@ -2,9 +2,11 @@
 
 use super::reference::References;
 use super::sums::{Lane, Portions, Term, given, of_columns, of_lanes};
+use super::walls;
 use super::walls::{AtWall, Deformed, of_wall};
-use super::{conduction, contact, facets, walls};
-use crate::engine::columns::{Fields, Group, NOTHING, Recording, recording};
+use crate::engine::columns::{
+    Compensated, Group, Layout, Member, NOTHING, ReadColumns, Recording, ValuedMember, groups, recording,
+};
 use crate::record::{Double, Index, KernelFault, Recorded};
 use sphorge_engine::model::{Formulation, Model};
 use sphorge_engine::particles::HistoryVariables;
@@ -36,7 +38,7 @@ pub(in crate::engine) const OF_ACCOUNTS: usize = 9;
 
 /// Sums of the contact with each body: force, N, works, J, and energy that facets hold, J.
 pub(in crate::engine) const MEETING: usize = MEETING_ENERGY + 1;
-pub(in crate::engine) const MEETING_ENERGY: usize = 3 + contact::WORKS.len();
+pub(in crate::engine) const MEETING_ENERGY: usize = 3 + 3;
 
 /// Numbers the ledger is given with their rests: the length of the step, of each wall displacement and velocity, of each body smoothing length, spacing and
 /// sound speed at rest.
@@ -97,19 +99,19 @@ pub(in crate::engine) fn ledger(
 ) -> Result<(Vec<Recording>, Recording), KernelFault> {
     let of = LedgerSums::of(model);
     let mut kernels = vec![motion(portions, count)?, energies(model, portions, count)?];
-    let pairs = |first: usize| Term { column: first, rest: Some(first + 1) };
     let mut add = |group: Group, terms: &[Term], first: usize| -> Result<(), KernelFault> {
         kernels.extend(of_columns(group, terms, (portions, first), count)?);
         Ok(())
     };
-    let accounts: Vec<_> = (0..OF_ACCOUNTS).map(|k| pairs(2 * k)).collect();
-    add(Group::Accounts, &accounts, ACCOUNTS)?;
-    let works = (0..model.walls.len()).flat_map(|wall| (0..walls::SUMS).map(move |k| walls::FIELDS * wall + 2 * k));
-    add(Group::Walls, &works.map(pairs).collect::<Vec<_>>(), of.walls)?;
+    add(Group::Accounts, &accounts().map(Term::from), ACCOUNTS)?;
+    let works = |wall: usize| [0, 1, 2].map(|sum| groups::Walls::layout().of(wall).works.number(sum));
+    let works: Vec<Term> = (0..model.walls.len()).flat_map(works).map(Term::from).collect();
+    add(Group::Walls, &works, of.walls)?;
     if model.thermal.conduction {
-        add(Group::Heat, &[pairs(conduction::EXCHANGED)], of.heat)?;
-        let supplied = (0..model.thermal.boundaries.len()).map(|k| conduction::BOUNDARY * k + conduction::SUPPLIED);
-        add(Group::Boundaries, &supplied.map(pairs).collect::<Vec<_>>(), of.heat + 1)?;
+        add(Group::Heat, &[groups::Heat::layout().exchanged.into()], of.heat)?;
+        let supplied = |k: usize| Term::from(groups::Boundaries::layout().of(k).supplied);
+        let supplied: Vec<Term> = (0..model.thermal.boundaries.len()).map(supplied).collect();
+        add(Group::Boundaries, &supplied, of.heat + 1)?;
     }
     if model.has_contact() {
         kernels.push(meetings(model.bodies.len(), (portions, of.meetings), count)?);
@@ -120,14 +122,23 @@ pub(in crate::engine) fn ledger(
     Ok((kernels, of_lanes(portions.lanes(), count)?))
 }
 
+/// The accounts of a particle.
+pub(in crate::engine) fn accounts() -> [Compensated<()>; OF_ACCOUNTS] {
+    let of = groups::Accounts::layout();
+    let [x, y, z] = [0, 1, 2].map(|axis| of.impulse.number(axis));
+    let works = [of.integration, of.viscous, of.artificial_stress, of.hourglass, of.moving_least_squares];
+    let [integration, viscous, artificial_stress, hourglass, moving_least_squares] = works;
+    [of.external_work, x, y, z, integration, viscous, artificial_stress, hourglass, moving_least_squares]
+}
+
 /// Place and velocity, and what comes of them.
 fn motion(portions: Portions, count: usize) -> Result<Recording, KernelFault> {
     recording("sum_motion", count, |bind, thread| {
         let lane = Lane::of(bind, portions, thread);
-        let (place, velocity) = (bind.read(Group::Place), bind.read(Group::Velocity));
-        let (rates, constants) = (bind.read(Group::Rates), bind.read(Group::Constants));
+        let (place, velocity) = (groups::Place::read(bind).position, groups::Velocity::read(bind).velocity);
+        let (rates, constants) = (groups::Rates::read(bind), groups::Constants::read(bind));
         lane.sum::<MOTION>(bind, (KINETIC, MOTION), |i| {
-            let (m, x, v) = (Double::from(constants.get(0, i)), place.doubles(0, i), velocity.doubles(0, i));
+            let (m, x, v) = (Double::from(constants.mass.get(i)), place.doubles(i), velocity.doubles(i));
             let momentum = v.map(|v| m * v);
             let squared = dot(v, v);
             let angular = [(1, 2), (2, 0), (0, 1)].map(|(b, c)| x[b] * momentum[c] - x[c] * momentum[b]);
@@ -137,7 +148,7 @@ fn motion(portions: Portions, count: usize) -> Result<Recording, KernelFault> {
             terms[MOMENTUM..ANGULAR].copy_from_slice(&momentum);
             terms[ANGULAR..PLACE].copy_from_slice(&angular);
             terms[PLACE..FORCE].copy_from_slice(&x.map(|x| m * x));
-            terms[FORCE..].copy_from_slice(&rates.vector(0, i).map(|a| m * Double::from(a)));
+            terms[FORCE..].copy_from_slice(&rates.acceleration.get(i).map(|a| m * Double::from(a)));
             terms
         });
     })
@@ -147,26 +158,31 @@ fn motion(portions: Portions, count: usize) -> Result<Recording, KernelFault> {
 fn energies(model: &Model, portions: Portions, count: usize) -> Result<Recording, KernelFault> {
     recording("sum_energies", count, |bind, thread| {
         let lane = Lane::of(bind, portions, thread);
-        let (energy, density) = (bind.read(Group::Energy), bind.read(Group::Density));
-        let (deviator, pressures) = (bind.read(Group::Deviator), bind.read(Group::Pressure));
-        let (plastic, constants) = (bind.read(Group::Plastic), bind.read(Group::Constants));
+        let (energy, density) = (groups::Energy::read(bind), groups::Density::read(bind).density);
+        let (deviator, pressures) = (groups::Deviator::read(bind).deviator, groups::Pressure::read(bind));
+        let (plastic, constants) = (groups::Plastic::read(bind), groups::Constants::read(bind));
         let strength = match model.formulation {
             Formulation::TotalLagrangian { hourglass, .. } if hourglass != 0.0 => Some(hourglass),
             _ => None,
         };
-        let springs = strength.map(|strength| (strength, bind.read(Group::Springs), bind.read(Group::Reference)));
+        let springs = strength.map(|strength| (strength, groups::Springs::read(bind), groups::Reference::read(bind)));
         let variables = HistoryVariables::of(model).variables;
         let place = variables.iter().position(|variable| variable.name == FRACTURE_ENERGY.name);
-        let broken = place.map(|place| (bind.read(Group::History), 2 * place));
+        let broken = place.map(|place| groups::History::read(bind).of(place).value);
         let of_body = |b: usize| &model.materials[model.bodies[b].material];
         let hyperelastic: Vec<usize> =
             (0..model.bodies.len()).filter(|b| of_body(*b).flow_law.is_hyperelastic()).collect();
         let bodies = (!hyperelastic.is_empty()).then(|| bind.indices(Group::Body));
         lane.sum::<ENERGIES>(bind, (INTERNAL, ENERGIES), |i| {
-            let [m, pressure, sound_speed, shear_modulus] =
-                [constants.get(0, i), pressures.get(0, i), pressures.get(1, i), pressures.get(2, i)].map(Double::from);
-            let rho = Double::new(density.double(0, 1, i));
-            let deviator = in_pairs(deviator.symmetric(0, i));
+            let [m, pressure, sound_speed, shear_modulus] = [
+                constants.mass.get(i),
+                pressures.pressure.get(i),
+                pressures.sound_speed.get(i),
+                pressures.shear_modulus.get(i),
+            ]
+            .map(Double::from);
+            let rho = Double::new(density.get(i));
+            let deviator = in_pairs(deviator.get(i));
             let bulk = pressure / (rho * sound_speed);
             let mut shear = elastic_energy(deviator, shear_modulus, rho);
             for (bodies, b) in bodies.iter().flat_map(|bodies| hyperelastic.iter().map(move |b| (bodies, *b))) {
@@ -175,15 +191,20 @@ fn energies(model: &Model, portions: Portions, count: usize) -> Result<Recording
                 shear = Double::select_lt(other, Double::of(0.5), own, shear);
             }
             let elastic = shear + Double::of(0.5) * bulk * bulk;
-            let [internal, plastic_work] = [energy.double(0, 1, i), plastic.double(4, 5, i)].map(Double::new);
+            let [internal, plastic_work] = [energy.energy.get(i), plastic.work.get(i)].map(Double::new);
             let held = springs.map_or_else(Double::zero, |(strength, springs, reference)| {
-                let [young, yield_stress, stretch, misfit] =
-                    [constants.get(5, i), plastic.get(3, i), springs.get(0, i), springs.get(1, i)].map(Double::from);
-                let plastic_strain = Double::new(plastic.double(0, 1, i));
+                let [young, yield_stress, stretch, misfit] = [
+                    constants.young_modulus.get(i),
+                    plastic.yield_stress.get(i),
+                    springs.least_stretch.get(i),
+                    springs.misfit.get(i),
+                ]
+                .map(Double::from);
+                let plastic_strain = Double::new(plastic.strain.get(i));
                 let spring = Spring::new(Double::of(strength), young, yield_stress, plastic_strain, stretch);
-                Double::new(reference.double(6, 7, i)) * spring.energy(misfit, model.dimensions.into())
+                Double::new(reference.volume.get(i)) * spring.energy(misfit, model.dimensions.into())
             });
-            let broken = broken.map_or_else(Double::zero, |(history, k)| m * Double::new(history.double(k, k + 1, i)));
+            let broken = broken.map_or_else(Double::zero, |history| m * history.double(i));
             [m * internal, m * elastic, m * plastic_work, held, broken]
         });
     })
@@ -196,17 +217,16 @@ fn in_pairs(tensor: sphorge_physics::SymmetricTensor<Recorded>) -> sphorge_physi
 /// The contact with each body: however many there are, they are taken in one loop.
 fn meetings(bodies: usize, (portions, first): (Portions, usize), count: usize) -> Result<Recording, KernelFault> {
     recording("sum_meetings", count, |bind, thread| {
-        let (lane, meetings) = (Lane::of(bind, portions, thread), bind.read(Group::Meetings));
+        let (lane, meetings) = (Lane::of(bind, portions, thread), groups::Meetings::read(bind));
         let to = bind.write(Group::LaneSums);
         bind.scope.fold(Index::of(0), Index::of(bodies as u32), NOTHING, |scope, nothing, body| {
-            let of_body = (body, contact::MEETING);
+            let meeting = meetings.of_value(body);
             let sums = lane.fold(scope, [Double::zero(); MEETING], |all, i| {
-                let at = |field: usize| meetings.get_in_group(of_body, field, i);
                 core::array::from_fn(|k| {
                     let term = match k.checked_sub(3) {
-                        None => Double::from(at(k)),
-                        Some(_) if k == MEETING_ENERGY => Double::from(at(facets::ENERGY)),
-                        Some(work) => Double::new([0, 1].map(|rest| at(contact::WORKS[work].0 + rest))),
+                        None => Double::from(meeting.force.axis(k).get(i)),
+                        Some(_) if k == MEETING_ENERGY => Double::from(meeting.energy.get(i)),
+                        Some(work) => meeting.works.number(work).double(i),
                     };
                     all[k] + term
                 })
@@ -229,11 +249,11 @@ fn wall_force(
 ) -> Result<Recording, KernelFault> {
     recording(&format!("sum_wall_force_{k}"), count, |bind, thread| {
         let (lane, numbers) = (Lane::of(bind, portions, thread), bind.read(Group::SumNumbers));
-        let (place, evaluated) = (bind.read(Group::Place), bind.read(Group::Evaluated));
-        let constants = bind.read(Group::Constants);
+        let (place, evaluated) = (groups::Place::read(bind).position, groups::Evaluated::read(bind).velocity);
+        let constants = groups::Constants::read(bind);
         let deformation = model.is_total_lagrangian().then(|| {
-            let earlier = (references == References::Renewed).then(|| bind.read(Group::Earlier));
-            (bind.read(Group::Deformation), earlier, bind.read(Group::Gradient))
+            let earlier = (references == References::Renewed).then(|| groups::Earlier::read(bind).deformation);
+            (groups::Deformation::read(bind).deformation, earlier, groups::Gradient::read(bind).velocity_gradient)
         });
         let of_wall_at = 1 + OF_WALL * k;
         let of_body_at = 1 + OF_WALL * model.walls.len();
@@ -244,17 +264,17 @@ fn wall_force(
         let [h, spacing, sound_speed] = [0, 2, 4].map(|at| given(numbers, body + Index::of(at)));
         lane.sum::<3>(bind, (first, 3), |i| {
             let deformed = deformation.map(|(since, earlier, gradient)| {
-                let (f, earlier) = (since.double_tensor(i), earlier.map(|of| of.double_tensor(i)));
+                let (f, earlier) = (since.doubles(i), earlier.map(|of| of.doubles(i)));
                 let whole = earlier.map_or(f, |earlier| multiply(&f, &earlier));
-                let velocity_gradient = gradient.tensor(0, i).map(|row| row.map(Double::from));
+                let velocity_gradient = gradient.get(i).map(|row| row.map(Double::from));
                 Deformed { whole, earlier, velocity_gradient }
             });
-            let at = place.doubles(0, i);
+            let at = place.doubles(i);
             let x = [0, 1, 2].map(|a| at[a] - shift[a]);
-            let velocity = evaluated.vector(0, i).map(Double::from);
+            let velocity = evaluated.get(i).map(Double::from);
             let own = AtWall { h, spacing, sound_speed, deformed };
             let push = of_wall(&model.walls[k], &own, x, velocity, moving, dt);
-            push.acceleration.map(|a| Double::from(constants.get(0, i)) * a)
+            push.acceleration.map(|a| Double::from(constants.mass.get(i)) * a)
         });
     })
 }

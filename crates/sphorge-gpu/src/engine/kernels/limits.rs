@@ -2,9 +2,7 @@
 
 use super::motion::Motions;
 use super::reduce::{Together, carry, over_particles, rows};
-use super::{contact, facets};
-use crate::engine::columns::{Fields, Group, Recording, recording};
-use crate::engine::step_numbers::DT;
+use crate::engine::columns::{Group, Member, ReadColumns, ReadShared, Recording, WriteColumns, groups, recording};
 use crate::record::{Index, KernelFault, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_engine::particles::HistoryVariables;
@@ -39,37 +37,43 @@ const BEYOND: f64 = 1e30;
 /// For each particle.
 pub(in crate::engine) fn of_particles(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     recording("limits", count, |bind, i| {
-        let (place, velocity, density) =
-            (bind.read(Group::Place), bind.read(Group::Velocity), bind.read(Group::Density));
-        let (gradient, energy, rates) = (bind.read(Group::Gradient), bind.read(Group::Energy), bind.read(Group::Rates));
+        let (place, velocity, density) = (
+            groups::Place::read(bind).position,
+            groups::Velocity::read(bind).velocity,
+            groups::Density::read(bind).density,
+        );
+        let (gradient, energy, rates) =
+            (groups::Gradient::read(bind).velocity_gradient, groups::Energy::read(bind), groups::Rates::read(bind));
         let (pressure, constants, step) =
-            (bind.read(Group::Pressure), bind.read(Group::Constants), bind.read(Group::Step));
-        let (deviator, temperature) = (bind.read(Group::Deviator), bind.read(Group::Temperature));
-        let limits = bind.write(Group::Limits);
-        let (h, rho) = (constants.get(1, i), density.get(0, i));
-        let stretch = model.is_total_lagrangian().then(|| bind.read(Group::Stretch));
-        let shortest = stretch.map_or(h, |stretch| limiting_length(h, stretch.get(0, i)));
+            (groups::Pressure::read(bind), groups::Constants::read(bind), groups::Step::shared(bind));
+        let (deviator, temperature) =
+            (groups::Deviator::read(bind).deviator, groups::Temperature::read(bind).temperature);
+        let limits = groups::Limits::write(bind);
+        let (h, rho) = (constants.smoothing_length.get(i), density.high().get(i));
+        let stretch = model.is_total_lagrangian().then(|| groups::Stretch::read(bind));
+        let shortest = stretch.map_or(h, |stretch| limiting_length(h, stretch.smallest.get(i)));
         let courant = Recorded::of(model.time.courant);
-        let speed = longitudinal_speed(pressure.get(1, i), pressure.get(2, i), rho);
-        let acceleration = rates.vector(0, i);
+        let speed = longitudinal_speed(pressure.sound_speed.get(i), pressure.shear_modulus.get(i), rho);
+        let acceleration = rates.acceleration.get(i);
         let squared = dot(acceleration, acceleration);
         // Without acceleration there is no limit; the smallest of all limits is far below this one.
         let by_acceleration = acceleration_limit(shortest, squared.sqrt(), courant);
         let by_acceleration = Recorded::select_lt(Recorded::zero(), squared, by_acceleration, Recorded::of(BEYOND));
         let change = StepChange::of(
-            &gradient.tensor(0, i),
-            (energy.get(0, i), energy.get(2, i)),
-            constants.get(4, i),
+            &gradient.get(i),
+            (energy.energy.high().get(i), energy.rate.get(i)),
+            constants.sound_speed.get(i),
             // Forces on a driven particle do not move it.
             &Motions::of(bind, model, step).map_or(acceleration, |of| of.of_particle(i).undriven(acceleration)),
             h,
-            step.get(0, Index::of(DT)),
+            step.dt.value(),
         );
-        let mut numbers = vec![pressure.get(0, i), energy.get(0, i), energy.get(2, i), temperature.get(0, i)];
-        for vector in [place.vector(0, i), velocity.vector(0, i), acceleration, rates.vector(3, i)] {
+        let mut numbers =
+            vec![pressure.pressure.get(i), energy.energy.high().get(i), energy.rate.get(i), temperature.high().get(i)];
+        for vector in [place.high().get(i), velocity.high().get(i), acceleration, rates.smoothing_velocity.get(i)] {
             numbers.extend(vector);
         }
-        numbers.extend(deviator.symmetric(0, i).to_array());
+        numbers.extend(deviator.get(i).to_array());
         let (zero, one) = (Recorded::zero(), Recorded::one());
         let mut sound = Recorded::select_lt(zero, rho, one, zero);
         for number in numbers {
@@ -77,20 +81,22 @@ pub(in crate::engine) fn of_particles(model: &Model, count: usize) -> Result<Rec
         }
         let variables = HistoryVariables::of(model).variables;
         if !variables.is_empty() {
-            let history = bind.read(Group::History);
+            let history = groups::History::read(bind);
             for (k, variable) in variables.into_iter().enumerate() {
-                sound = allowed(variable.bound, history.get(2 * k, i), sound);
+                sound = allowed(variable.bound, history.of(k).value.high().get(i), sound);
             }
         }
-        limits.set(0, i, sound_limit(shortest, speed, rates.get(6, i), courant));
-        limits.set(1, i, by_acceleration);
-        let mut by_contact = || bind.read(Group::Contact).get(contact::LIMIT, i);
-        limits.set(2, i, if model.has_contact() { by_contact() } else { Recorded::of(BEYOND) });
-        limits.set_all(LIMITS, i, &[change.density, change.stretch, change.energy, change.jump, one - sound]);
-        limits.set(STRETCHED, i, stretch.map_or(zero, |stretch| stretch.get(2, i)));
-        let mut reach = || bind.read(Group::FacetMotion).get(facets::REACH, i);
-        limits.set(REACH, i, if model.has_facets() { reach() } else { zero });
-        limits.set(NEIGHBORS, i, bind.read(Group::Weight).get(1, i));
+        limits.by_sound.set(i, sound_limit(shortest, speed, rates.largest_mu.get(i), courant));
+        limits.by_acceleration.set(i, by_acceleration);
+        let mut by_contact = || groups::Contact::read(bind).limit.get(i);
+        limits.by_contact.set(i, if model.has_contact() { by_contact() } else { Recorded::of(BEYOND) });
+        let is_broken = one - sound;
+        limits.changes.set(i, [change.density, change.stretch, change.energy, change.jump]);
+        limits.is_broken.set(i, is_broken);
+        limits.is_stretched.set(i, stretch.map_or(zero, |stretch| stretch.is_beyond.get(i)));
+        let mut reach = || groups::FacetMotion::read(bind).reach.get(i);
+        limits.facet_reach.set(i, if model.has_facets() { reach() } else { zero });
+        limits.neighbors.set(i, groups::Weight::read(bind).neighbors.get(i));
     })
 }
 

@@ -1,7 +1,7 @@
 //! Prescribed motion of particles along single axes.
 
-use crate::engine::columns::{Binder, Fields, Group, Reading};
-use crate::engine::step_numbers::{MOTION_LENGTH, motions};
+use crate::engine::columns::{Binder, Group, Handles, Shared, SharedFrom, groups};
+use crate::engine::step_numbers::motions;
 use crate::record::{Index, Indices, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_physics::{Real, Vector};
@@ -17,43 +17,43 @@ pub(super) enum When {
 #[derive(Clone, Copy)]
 pub(super) struct Motions {
     of_particles: Indices,
-    step: Reading,
-    first: u32,
+    step: groups::Step<Shared>,
+    first: usize,
 }
 
 /// The prescribed motion of a particle.
 #[derive(Clone, Copy)]
 pub(super) struct Prescribed {
-    step: Reading,
-    row: Index,
+    numbers: groups::MotionOfStep<SharedFrom>,
     motion: Index,
 }
 
 impl Motions {
-    pub(super) fn of(bind: &mut Binder<'_>, model: &Model, step: Reading) -> Option<Self> {
+    pub(super) fn of(bind: &mut Binder<'_>, model: &Model, step: groups::Step<Shared>) -> Option<Self> {
         let is_any = !model.motions.is_empty();
         is_any.then(|| Self { of_particles: bind.indices(Group::Motion), step, first: motions(model) })
     }
 
     pub(super) fn of_particle(self, i: Index) -> Prescribed {
         let motion = self.of_particles.at(i);
-        Prescribed { step: self.step, row: Index::of(self.first) + motion * Index::of(MOTION_LENGTH), motion }
+        let length = <groups::MotionOfStep<SharedFrom> as Handles<SharedFrom>>::LENGTH;
+        let first = Index::of(self.first as u32) + motion * Index::of(length as u32);
+        Prescribed { numbers: groups::MotionOfStep::at(self.step.source().from(first), 0), motion }
     }
 }
 
 impl Prescribed {
-    fn number(self, k: usize) -> Recorded {
-        self.step.get(0, self.row + Index::of(k as u32))
-    }
-
     /// The first value if axis `a` is prescribed, the other if it is free.
     pub(super) fn choose(self, a: usize, prescribed: Recorded, free: Recorded) -> Recorded {
-        Recorded::select_lt(Recorded::zero(), self.number(a), prescribed, free)
+        Recorded::select_lt(Recorded::zero(), self.numbers.is_prescribed.axis(a).value(), prescribed, free)
     }
 
     /// Velocity prescribed along axis `a`, m/s.
     pub(super) fn velocity(self, a: usize, when: When) -> Recorded {
-        self.number(a + if when == When::Middle { 3 } else { 6 })
+        match when {
+            When::Middle => self.numbers.middle.axis(a).value(),
+            When::End => self.numbers.end.axis(a).value(),
+        }
     }
 
     /// Zero along prescribed axes.

@@ -2,9 +2,8 @@
 
 use super::grid::Grid;
 use super::images::{Image, Planes};
-use super::kept::{LENGTH, stored_place};
-use super::smoothing::AT_START;
-use crate::engine::columns::{Binder, Fields, Group, Reading};
+use super::kept::stored_place;
+use crate::engine::columns::{Binder, CompensatedVector, Group, Read, ReadColumns, Reading, groups};
 use crate::record::{Index, Indices, Recorded};
 use sphorge_engine::model::{AdaptiveSearch, Model, Search};
 use sphorge_physics::kernel::{PairScale, pair_smoothing_length};
@@ -52,25 +51,26 @@ pub(super) fn apart<const D: usize>(
     [0, 1, 2].map(|a| if a < D { image.apart(a, own[a], other[a]) } else { Recorded::zero() })
 }
 
-/// Positions with their rests, m.
-pub(super) fn places(of: Reading, i: Index) -> Vector<[Recorded; 2]> {
-    [0, 1, 2].map(|a| of.double(a, 3 + a, i))
-}
-
 /// Current smoothing length of a particle, m.
-pub(super) fn now(constants: Reading) -> impl Fn(Index) -> Recorded + Copy {
-    move |i| constants.get(1, i)
+pub(super) fn now(constants: groups::Constants<Read>) -> impl Fn(Index) -> Recorded + Copy {
+    move |i| constants.smoothing_length.get(i)
 }
 
 /// Initial smoothing length, m, which the contact uses.
-pub(super) fn at_start(constants: Reading) -> impl Fn(Index) -> Recorded + Copy {
-    move |i| constants.get(AT_START, i)
+pub(super) fn at_start(constants: groups::Constants<Read>) -> impl Fn(Index) -> Recorded + Copy {
+    move |i| constants.initial_smoothing_length.get(i)
 }
 
 /// Smoothing length of the search, m: with a contact between bodies, not below the one that the contact uses.
-pub(super) fn searched(model: &Model, constants: Reading) -> impl Fn(Index) -> Recorded + Copy {
+pub(super) fn searched(model: &Model, constants: groups::Constants<Read>) -> impl Fn(Index) -> Recorded + Copy {
     let is_raised = is_raised(model);
-    move |i| if is_raised { constants.get(1, i).max(constants.get(AT_START, i)) } else { constants.get(1, i) }
+    move |i| {
+        if is_raised {
+            constants.smoothing_length.get(i).max(constants.initial_smoothing_length.get(i))
+        } else {
+            constants.smoothing_length.get(i)
+        }
+    }
 }
 
 /// Whether lists are searched farther than kernels reach.
@@ -85,7 +85,7 @@ pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
     model: &Model,
     grid: &Grid,
     i: Index,
-    (place, length): (Reading, impl Fn(Index) -> Recorded),
+    (place, length): (CompensatedVector<Read>, impl Fn(Index) -> Recorded),
     start: S,
     add: impl Fn(S, &Pair, Index) -> S,
 ) -> S {
@@ -93,7 +93,7 @@ pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
         (bind.indices(Group::CellStarts), bind.indices(Group::Sorted), bind.indices(Group::Around));
     let support = Recorded::of(grid.reach);
     let planes = Planes::of(model);
-    let own = places(place, i);
+    let own = place.get(i);
     let h = length(i);
     let cells = Index::of((grid.around().len() / 3) as u32);
     let near = Recorded::of(strays(model) * grid.edge);
@@ -109,7 +109,7 @@ pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
                 let cell = grid.cell([0, 1, 2].map(|axis| steps[axis] + around.at(there + Index::of(axis as u32))));
                 scope.fold(starts.at(cell), starts.at(cell + Index::of(1)), state, |_, state, place_of| {
                     let j = sorted.at(place_of);
-                    let other = places(place, j);
+                    let other = place.get(j);
                     let pair = Pair::of::<D>(model, (image, bits), &own, &other, (h, length(j)));
                     let reach = support * pair.scale.h;
                     let mut apart = pair.r2;
@@ -155,7 +155,7 @@ pub(super) fn over_neighbors<S: Numbers<Recorded>, const D: usize>(
     bind: &mut Binder<'_>,
     model: &Model,
     i: Index,
-    (place, constants): (Reading, Reading),
+    (place, constants): (CompensatedVector<Read>, groups::Constants<Read>),
     start: S,
     add: impl Fn(S, &Pair, Index) -> S,
 ) -> S {
@@ -168,7 +168,7 @@ pub(super) fn over_present_neighbors<S: Numbers<Recorded>, const D: usize>(
     bind: &mut Binder<'_>,
     model: &Model,
     i: Index,
-    near: (Reading, Reading),
+    near: (CompensatedVector<Read>, groups::Constants<Read>),
     start: S,
     add: impl Fn(S, &Pair, Index) -> S,
 ) -> S {
@@ -179,18 +179,18 @@ fn over_rows<S: Numbers<Recorded>, const D: usize>(
     bind: &mut Binder<'_>,
     model: &Model,
     i: Index,
-    (place, constants): (Reading, Reading),
+    (place, constants): (CompensatedVector<Read>, groups::Constants<Read>),
     stored: Option<Reading>,
     start: S,
     add: impl Fn(S, &Pair, Index) -> S,
 ) -> S {
-    let (rows, kept, stride) = (bind.read(Group::Rows), bind.indices(Group::Kept), bind.stride());
+    let (rows, kept, stride) = (groups::Rows::read(bind), bind.indices(Group::Kept), bind.stride());
     let (planes, support) = (Planes::of(model), Recorded::of(model.numerics.kernel.support()));
-    let (own, h) = (places(place, i), constants.get(1, i));
-    let end = Index::floor(rows.get(LENGTH, i));
+    let (own, h) = (place.get(i), constants.smoothing_length.get(i));
+    let end = Index::floor(rows.length.get(i));
     bind.scope.fold(Index::of(0), end, start, |_, state, k| {
         let (j, image) = planes.entry(kept.at(k * stride + i));
-        let mut pair = Pair::of::<D>(model, (image, 0), &own, &places(place, j), (h, constants.get(1, j)));
+        let mut pair = Pair::of::<D>(model, (image, 0), &own, &place.get(j), (h, constants.smoothing_length.get(j)));
         if let Some(stored) = stored {
             pair.r2 = Recorded::zero();
             for a in 0..D {
@@ -214,7 +214,7 @@ pub(super) fn over_own_body<S: Numbers<Recorded>, const D: usize>(
     model: &Model,
     grid: &Grid,
     i: Index,
-    near: (Reading, impl Fn(Index) -> Recorded),
+    near: (CompensatedVector<Read>, impl Fn(Index) -> Recorded),
     start: S,
     add: impl Fn(S, &Pair, Index) -> S,
 ) -> S {
@@ -235,16 +235,17 @@ pub(super) fn over_list<S: Numbers<Recorded>, const D: usize>(
     bind: &mut Binder<'_>,
     model: &Model,
     i: Index,
-    (reference, constants): (Reading, Reading),
+    (reference, constants): (groups::Reference<Read>, groups::Constants<Read>),
     start: S,
     add: impl FnOnce(S, &Pair, Index) -> S,
 ) -> S {
     let (starts, list) = (bind.indices(Group::ListStarts), bind.indices(Group::List));
     let planes = Planes::of(model);
-    let (own, h) = (places(reference, i), constants.get(1, i));
+    let (own, h) = (reference.position.get(i), constants.smoothing_length.get(i));
     bind.scope.fold(starts.at(i), starts.at(i + Index::of(1)), start, |_, state, k| {
         let (j, image) = planes.entry(list.at(k));
-        let pair = Pair::of::<D>(model, (image, 0), &own, &places(reference, j), (h, constants.get(1, j)));
+        let pair =
+            Pair::of::<D>(model, (image, 0), &own, &reference.position.get(j), (h, constants.smoothing_length.get(j)));
         add(state, &pair, j)
     })
 }

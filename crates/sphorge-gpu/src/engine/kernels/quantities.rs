@@ -1,6 +1,9 @@
 //! Fields of particles for reductions, in pairs of numbers.
 
-use crate::engine::columns::{Binder, Fields, Group, Reading};
+use crate::engine::columns::{
+    Binder, Compensated, CompensatedVector, Group, Layout, Member, Number as Column, Read, ReadColumns, Reading,
+    SymmetricColumns, TensorColumns, groups,
+};
 use crate::record::{Double, Index};
 use sphorge_engine::model::Model;
 use sphorge_engine::particles::{HistoryVariables, equivalent_strain_rate};
@@ -24,21 +27,30 @@ enum Field {
 
 impl Field {
     fn named(name: &str, model: &Model) -> Option<Self> {
+        use groups::{
+            Constants, Density, Energy, Gradient, Place, Plastic, Pressure, Rates, Temperature, Velocity, Weight,
+        };
+        let number = |group: Group, of: Column<()>| Self::Plain(group, of.column(), 1);
+        let carried = |group: Group, of: Compensated<()>| {
+            let [first, rest] = of.columns();
+            Self::Carried(group, first, 1, rest - first)
+        };
+        let vector = |group: Group, of: CompensatedVector<()>| Self::Carried(group, of.column(), 3, 3);
         Some(match name {
-            "mass" => Self::Plain(Group::Constants, 0, 1),
-            "position" => Self::Carried(Group::Place, 0, 3, 3),
-            "velocity" => Self::Carried(Group::Velocity, 0, 3, 3),
-            "acceleration" => Self::Plain(Group::Rates, 0, 3),
-            "density" => Self::Carried(Group::Density, 0, 1, 1),
-            "energy" => Self::Carried(Group::Energy, 0, 1, 1),
-            "temperature" => Self::Carried(Group::Temperature, 0, 1, 1),
-            "pressure" => Self::Plain(Group::Pressure, 0, 1),
-            "sound_speed" => Self::Plain(Group::Pressure, 1, 1),
-            "velocity_gradient" => Self::Plain(Group::Gradient, 0, 9),
-            "plastic_strain" => Self::Carried(Group::Plastic, 0, 1, 1),
-            "plastic_strain_increment" => Self::Plain(Group::Plastic, 2, 1),
-            "plastic_work" => Self::Carried(Group::Plastic, 4, 1, 1),
-            "neighbors" => Self::Plain(Group::Weight, 1, 1),
+            "mass" => number(Group::Constants, Constants::layout().mass),
+            "position" => vector(Group::Place, Place::layout().position),
+            "velocity" => vector(Group::Velocity, Velocity::layout().velocity),
+            "acceleration" => Self::Plain(Group::Rates, Rates::layout().acceleration.column(), 3),
+            "density" => carried(Group::Density, Density::layout().density),
+            "energy" => carried(Group::Energy, Energy::layout().energy),
+            "temperature" => carried(Group::Temperature, Temperature::layout().temperature),
+            "pressure" => number(Group::Pressure, Pressure::layout().pressure),
+            "sound_speed" => number(Group::Pressure, Pressure::layout().sound_speed),
+            "velocity_gradient" => Self::Plain(Group::Gradient, Gradient::layout().velocity_gradient.column(), 9),
+            "plastic_strain" => carried(Group::Plastic, Plastic::layout().strain),
+            "plastic_strain_increment" => number(Group::Plastic, Plastic::layout().increment),
+            "plastic_work" => carried(Group::Plastic, Plastic::layout().work),
+            "neighbors" => number(Group::Weight, Weight::layout().neighbors),
             "deviator" => Self::Deviator,
             "stress" => Self::Stress,
             "speed" => Self::Speed,
@@ -46,7 +58,7 @@ impl Field {
             "equivalent_strain_rate" => Self::StrainRate,
             _ => {
                 let k = HistoryVariables::of(model).variables.iter().position(|of| of.name == name)?;
-                Self::Carried(Group::History, 2 * k, 1, 1)
+                carried(Group::History, groups::History::layout().of(k).value)
             }
         })
     }
@@ -61,13 +73,26 @@ impl Field {
     }
 }
 
+/// What a field is made of in a kernel.
+#[derive(Clone, Copy)]
+enum Bound {
+    /// Columns from this one on.
+    Plain(Reading, usize),
+    /// The same with their rests, which start at this offset.
+    Carried(Reading, usize, usize),
+    Deviator(SymmetricColumns<Read>),
+    Stress(SymmetricColumns<Read>, groups::Pressure<Read>),
+    Speed(CompensatedVector<Read>),
+    VonMises(SymmetricColumns<Read>),
+    StrainRate(TensorColumns<Read>),
+}
+
 /// A number of every particle.
 #[derive(Clone, Copy)]
 pub(super) struct Number {
-    field: Field,
+    bound: Bound,
+    width: usize,
     component: Option<usize>,
-    columns: Reading,
-    pressure: Option<Reading>,
 }
 
 /// Whether a quantity is available on a card; some are not, such as a yield stress that may be infinite.
@@ -81,45 +106,51 @@ impl Number {
     /// Nothing for quantities that are not available.
     pub(super) fn of(bind: &mut Binder<'_>, model: &Model, quantity: Quantity<'_>) -> Option<Self> {
         let field = Field::named(quantity.field, model)?;
-        let columns = match field {
-            Field::Plain(group, ..) | Field::Carried(group, ..) => bind.read(group),
-            Field::Deviator | Field::Stress | Field::VonMises => bind.read(Group::Deviator),
-            Field::Speed => bind.read(Group::Velocity),
-            Field::StrainRate => bind.read(Group::Gradient),
+        let bound = match field {
+            Field::Plain(group, first, _) => Bound::Plain(bind.read(group), first),
+            Field::Carried(group, first, _, rests) => Bound::Carried(bind.read(group), first, rests),
+            Field::Deviator => Bound::Deviator(groups::Deviator::read(bind).deviator),
+            Field::Stress => Bound::Stress(groups::Deviator::read(bind).deviator, groups::Pressure::read(bind)),
+            Field::Speed => Bound::Speed(groups::Velocity::read(bind).velocity),
+            Field::VonMises => Bound::VonMises(groups::Deviator::read(bind).deviator),
+            Field::StrainRate => Bound::StrainRate(groups::Gradient::read(bind).velocity_gradient),
         };
-        let pressure = (field == Field::Stress).then(|| bind.read(Group::Pressure));
-        Some(Self { field, component: quantity.component, columns, pressure })
+        Some(Self { bound, width: field.width(), component: quantity.component })
     }
 
     fn component(self, k: usize, i: Index) -> Double {
-        match self.field {
-            Field::Plain(_, first, _) => Double::from(self.columns.get(first + k, i)),
-            Field::Carried(_, first, _, rests) => Double::new(self.columns.double(first + k, first + rests + k, i)),
-            Field::Deviator | Field::Stress => self.tensor(i).to_array()[k],
-            Field::Speed => norm(&self.columns.doubles(0, i)),
-            Field::VonMises => self.tensor(i).von_mises(),
-            Field::StrainRate => equivalent_strain_rate(&self.columns.tensor(0, i).map(|row| row.map(Double::from))),
+        match self.bound {
+            Bound::Plain(columns, first) => Double::from(columns.get(first + k, i)),
+            Bound::Carried(columns, first, rests) => {
+                Double::new([first + k, first + rests + k].map(|column| columns.get(column, i)))
+            }
+            Bound::Deviator(deviator) => in_pairs(deviator, i).to_array()[k],
+            Bound::Stress(deviator, pressure) => stress(deviator, pressure, i).to_array()[k],
+            Bound::Speed(velocity) => norm(&velocity.doubles(i)),
+            Bound::VonMises(deviator) => in_pairs(deviator, i).von_mises(),
+            Bound::StrainRate(gradient) => equivalent_strain_rate(&gradient.get(i).map(|row| row.map(Double::from))),
         }
-    }
-
-    fn tensor(self, i: Index) -> SymmetricTensor<Double> {
-        let deviator = SymmetricTensor::from_array(self.columns.symmetric(0, i).to_array().map(Double::from));
-        let pressure = self.pressure.map(|pressure| SymmetricTensor::isotropic(pressure.get(0, i).into()));
-        pressure.map_or(deviator, |pressure| deviator - pressure)
     }
 
     /// The requested component, or the value, or the norm of a vector or tensor.
     pub(super) fn at(self, i: Index) -> Double {
-        match (self.component, self.field) {
+        let of_tensor = |tensor: SymmetricTensor<Double>| tensor.double_dot(tensor).sqrt();
+        match (self.component, self.bound) {
             (Some(k), _) => self.component(k, i),
-            (None, Field::Deviator | Field::Stress) => {
-                let tensor = self.tensor(i);
-                tensor.double_dot(tensor).sqrt()
-            }
-            (None, field) if field.width() == 1 => self.component(0, i),
-            (None, field) => norm(&(0..field.width()).map(|k| self.component(k, i)).collect::<Vec<_>>()),
+            (None, Bound::Deviator(deviator)) => of_tensor(in_pairs(deviator, i)),
+            (None, Bound::Stress(deviator, pressure)) => of_tensor(stress(deviator, pressure, i)),
+            (None, _) if self.width == 1 => self.component(0, i),
+            (None, _) => norm(&(0..self.width).map(|k| self.component(k, i)).collect::<Vec<_>>()),
         }
     }
+}
+
+fn in_pairs(deviator: SymmetricColumns<Read>, i: Index) -> SymmetricTensor<Double> {
+    SymmetricTensor::from_array(deviator.get(i).to_array().map(Double::from))
+}
+
+fn stress(deviator: SymmetricColumns<Read>, pressure: groups::Pressure<Read>, i: Index) -> SymmetricTensor<Double> {
+    in_pairs(deviator, i) - SymmetricTensor::isotropic(pressure.pressure.get(i).into())
 }
 
 fn norm(components: &[Double]) -> Double {

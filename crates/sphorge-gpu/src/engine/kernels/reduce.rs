@@ -3,7 +3,7 @@
 //! A card has some hundred thousand threads at once, and a thread alone waits for memory most of the time: the first pass has a thread for a few
 //! particles, and each of the following reduces a few rows of the one before.
 
-use crate::engine::columns::{Binder, Fields, Group, Recording, recording};
+use crate::engine::columns::{Binder, Group, Recording, recording};
 use crate::record::{Index, KernelFault, Recorded};
 use sphorge_physics::{Numbers, Real};
 

@@ -3,7 +3,9 @@
 use super::quantities::{Number, is_known};
 use super::reference::References;
 use super::sums::{Lane, Portions, given};
-use crate::engine::columns::{Binder, Fields, Group, Reading, Recording, recording};
+use crate::engine::columns::{
+    Binder, CompensatedTensor, CompensatedVector, Group, Read, ReadColumns, Reading, Recording, groups, recording,
+};
 use crate::record::{Double, Index, Indices, KernelFault, Recorded};
 use sphorge_engine::model::{MeasureKind, Model, ParticleSelection, TemperatureSource};
 use sphorge_engine::reduction::{AGAINST, Looked, Quantity, Suspicion, reach};
@@ -76,7 +78,7 @@ impl Given {
 struct Selected<'a> {
     of: &'a ParticleSelection,
     lane: Lane,
-    place: Option<Reading>,
+    place: Option<CompensatedVector<Read>>,
     regions: Option<(Indices, usize)>,
 }
 
@@ -85,7 +87,7 @@ impl<'a> Selected<'a> {
         Self {
             of,
             lane,
-            place: of.window.map(|_| bind.read(Group::Place)),
+            place: of.window.map(|_| groups::Place::read(bind).position),
             regions: of.region.map(|region| (bind.indices(Group::Regions), region)),
         }
     }
@@ -103,7 +105,7 @@ impl<'a> Selected<'a> {
             is_selected = Recorded::select_lt(zero, bit.number(), is_selected, zero);
         }
         if let Some(((low, high), place)) = self.of.window.zip(self.place) {
-            let x = place.doubles(0, i);
+            let x = place.doubles(i);
             for a in 0..3 {
                 let [low, high] = [low[a], high[a]].map(|bound| Double::of(bound.clamp(-FAR, FAR)));
                 is_selected = Recorded::select_lt((x[a] - low).high, zero, zero, is_selected);
@@ -231,24 +233,24 @@ pub(in crate::engine) fn of_deck(
 
 /// How far particles reach from their centres.
 struct Reach {
-    deformation: Option<Reading>,
-    earlier: Option<Reading>,
+    deformation: Option<CompensatedTensor<Read>>,
+    earlier: Option<CompensatedTensor<Read>>,
 }
 
 impl Reach {
     fn of(bind: &mut Binder<'_>, model: &Model, references: References) -> Self {
-        let deformation = model.is_total_lagrangian().then(|| bind.read(Group::Deformation));
+        let deformation = model.is_total_lagrangian().then(|| groups::Deformation::read(bind).deformation);
         let is_renewed = deformation.is_some() && references == References::Renewed;
-        Self { deformation, earlier: is_renewed.then(|| bind.read(Group::Earlier)) }
+        Self { deformation, earlier: is_renewed.then(|| groups::Earlier::read(bind).deformation) }
     }
 
     /// Along a unit vector, m: half a spacing, deformed where the body is in one piece.
     fn along(&self, half: Double, direction: Vector<Double>, i: Index) -> Double {
         let Some(deformation) = self.deformation else { return half };
-        let deformed = || reach(half, &deformation.double_tensor(i), direction);
+        let deformed = || reach(half, &deformation.doubles(i), direction);
         let Some(earlier) = self.earlier else { return deformed() };
         let mut off = Recorded::zero();
-        for (row, ones) in earlier.double_tensor(i).iter().zip(&identity::<Double>()) {
+        for (row, ones) in earlier.doubles(i).iter().zip(&identity::<Double>()) {
             for (c, one) in row.iter().zip(ones) {
                 off += (c.high - one.high).abs() + c.low.abs();
             }
@@ -273,32 +275,32 @@ impl Reduced<'_> {
         let (zero, one) = (Double::zero(), Double::one());
         match *self {
             Self::Mean(quantity) => {
-                let (constants, number) = (bind.read(Group::Constants), Number::of(bind, model, quantity));
+                let (constants, number) = (groups::Constants::read(bind), Number::of(bind, model, quantity));
                 Box::new(move |i| {
-                    let mass = Double::from(constants.get(0, i));
+                    let mass = Double::from(constants.mass.get(i));
                     [mass * value(number, i), mass, zero, zero]
                 })
             }
             Self::Centre => {
-                let place = bind.read(Group::Place);
+                let place = groups::Place::read(bind).position;
                 Box::new(move |i| {
-                    let [x, y, z] = place.doubles(0, i);
+                    let [x, y, z] = place.doubles(i);
                     [x, y, z, one]
                 })
             }
             Self::Interpolation(quantity) => {
-                let (place, density) = (bind.read(Group::Place), bind.read(Group::Density));
-                let (constants, number) = (bind.read(Group::Constants), Number::of(bind, model, quantity));
+                let (place, density) = (groups::Place::read(bind).position, groups::Density::read(bind).density);
+                let (constants, number) = (groups::Constants::read(bind), Number::of(bind, model, quantity));
                 let given = Given::of(bind);
                 let (point, at_start) = (given.point(), given.of_body(body, SMOOTHING));
                 let follows = model.smoothing_follows_density();
                 let dimensions = model.dimensions.count();
                 Box::new(move |i| {
-                    let x = place.doubles(0, i);
+                    let x = place.doubles(i);
                     let squares = (0..dimensions).map(|a| (x[a] - point[a]) * (x[a] - point[a]));
                     let r = squares.reduce(|a, b| a + b).map_or(zero, Double::sqrt);
-                    let h = if follows { Double::from(constants.get(1, i)) } else { at_start };
-                    let volume = Double::from(constants.get(0, i)) / Double::new(density.double(0, 1, i));
+                    let h = if follows { Double::from(constants.smoothing_length.get(i)) } else { at_start };
+                    let volume = Double::from(constants.mass.get(i)) / Double::new(density.get(i));
                     let w = volume * model.numerics.kernel.w(r / h) / h.powu(dimensions as u32);
                     // The field may be anything where the kernel does not reach.
                     let reached = || [w * value(number, i), w];
@@ -314,19 +316,19 @@ impl Reduced<'_> {
                 })
             }
             Self::Ends(axis) => {
-                let (place, reach) = (bind.read(Group::Place), Reach::of(bind, model, references));
+                let (place, reach) = (groups::Place::read(bind).position, Reach::of(bind, model, references));
                 let half = Double::of(0.5) * Given::of(bind).of_body(body, SPACING);
                 Box::new(move |i| {
-                    let (x, reach) = (place.doubles(0, i)[axis], reach.along(half, unit(axis), i));
+                    let (x, reach) = (place.doubles(i)[axis], reach.along(half, unit(axis), i));
                     [x + reach, reach - x, one, zero]
                 })
             }
             Self::Radius(axis) => {
-                let (place, reach) = (bind.read(Group::Place), Reach::of(bind, model, references));
+                let (place, reach) = (groups::Place::read(bind).position, Reach::of(bind, model, references));
                 let given = Given::of(bind);
                 let (centre, half) = (given.point(), Double::of(0.5) * given.of_body(body, SPACING));
                 Box::new(move |i| {
-                    let x = place.doubles(0, i);
+                    let x = place.doubles(i);
                     let outward = core::array::from_fn(|a| if a == axis { zero } else { x[a] - centre[a] });
                     let distance = dot(outward, outward).sqrt();
                     let aside = unit((axis + 1) % 3);
@@ -467,22 +469,22 @@ pub(in crate::engine) fn suspects(
     let kind = kind.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default();
     let of_lanes = recording(&format!("suspects_{kind}"), count, |bind, thread| {
         let (lane, given) = (Lane::of(bind, portions, thread), Given::of(bind));
-        let (place, density) = (bind.read(Group::Place), bind.read(Group::Density));
-        let (temperature, energy) = (bind.read(Group::Temperature), bind.read(Group::Energy));
-        let plastic = matches!(suspicion, Suspicion::MissingHeat(_)).then(|| bind.read(Group::Plastic));
-        let (weight, places) = (bind.read(Group::Weight), bind.indices(Group::PlacesById));
+        let (place, density) = (groups::Place::read(bind).position, groups::Density::read(bind).density);
+        let (temperature, energy) = (groups::Temperature::read(bind).temperature, groups::Energy::read(bind));
+        let plastic = matches!(suspicion, Suspicion::MissingHeat(_)).then(|| groups::Plastic::read(bind));
+        let (weight, places) = (groups::Weight::read(bind), bind.indices(Group::PlacesById));
         let body = lane.body();
         let against: [Double; AGAINST] = core::array::from_fn(|k| given.of_body(body, HELD_AGAINST + k));
         let (spacing, seen) = (given.of_body(body, SPACING), given.of_body(body, SEEN).high);
         let sense = Double::of(suspicion.sense());
         let found: [Recorded; 5] = lane.fold(bind.scope, Tally::start(), |found: [Recorded; 5], i| {
             let looked = Looked {
-                position: place.doubles(0, i),
-                density: Double::new(density.double(0, 1, i)),
-                temperature: Double::new(temperature.double(0, 1, i)),
-                energy: Double::new(energy.double(0, 1, i)),
-                plastic_work: plastic.map_or(Double::zero(), |plastic| Double::new(plastic.double(4, 5, i))),
-                neighbors: Double::from(weight.get(1, i)),
+                position: place.doubles(i),
+                density: Double::new(density.get(i)),
+                temperature: Double::new(temperature.get(i)),
+                energy: Double::new(energy.energy.get(i)),
+                plastic_work: plastic.map_or(Double::zero(), |plastic| Double::new(plastic.work.get(i))),
+                neighbors: Double::from(weight.neighbors.get(i)),
                 spacing,
             };
             let worst = sense * suspicion.number(model, &against, &looked);
@@ -518,7 +520,7 @@ pub(in crate::engine) fn suspects(
         to.set_at(Index::of(rows as u32) + segment, row);
     })?;
     let of_bodies = recording("worst_of_segments", count, |bind, body| {
-        let (bodies, place) = (bind.indices(Group::Segments), bind.read(Group::Place));
+        let (bodies, place) = (bind.indices(Group::Segments), groups::Place::read(bind).position);
         let sums = bind.write(Group::Sums);
         let found = bind.scope.fold(Index::of(0), Index::of(segments as u32), Tally::start(), |_, found, segment| {
             let part = |k: usize| sums.get_at(of_segment(segment, k, segments));
@@ -532,7 +534,7 @@ pub(in crate::engine) fn suspects(
             Recorded::if_lt(zero, suspects, with, || found)
         });
         let [suspects, .., row] = found;
-        let at_worst = || place.doubles(0, Index::floor(row));
+        let at_worst = || place.doubles(Index::floor(row));
         let x = Recorded::if_lt(Recorded::zero(), suspects, at_worst, || [Double::zero(); 3]);
         let first = Index::of((2 * SUSPECTS * segments) as u32) + Index::of(OF_WORST as u32) * body;
         for (k, number) in x.into_iter().flat_map(|x| [x.high, x.low]).enumerate() {

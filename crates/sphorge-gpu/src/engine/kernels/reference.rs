@@ -3,8 +3,10 @@
 use super::grid::Grid;
 use super::images::Planes;
 use super::neighbors::{now, over_list, over_own_body};
-use crate::engine::columns::{Binder, Fields, Group, NOTHING, Reading, Recording, Writing, added, recording};
-use crate::engine::step_numbers::DT;
+use crate::engine::columns::{
+    Binder, CompensatedTensor, Group, Member, NOTHING, Read, ReadColumns, ReadShared, Reading, Recording, WriteColumns,
+    added, groups, recording,
+};
 use crate::record::{Double, Index, Indices, KernelFault, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_engine::particles::HistoryVariables;
@@ -60,24 +62,24 @@ impl Apart {
 /// Deformation gradients of particles.
 #[derive(Clone, Copy)]
 pub(super) struct Deformations {
-    since: Reading,
-    earlier: Option<Reading>,
+    since: CompensatedTensor<Read>,
+    earlier: Option<CompensatedTensor<Read>>,
 }
 
 impl Deformations {
     pub(super) fn of(bind: &mut Binder<'_>, references: References) -> Self {
-        let since = bind.read(Group::Deformation);
-        Self { since, earlier: (references == References::Renewed).then(|| bind.read(Group::Earlier)) }
+        let since = groups::Deformation::read(bind).deformation;
+        Self { since, earlier: (references == References::Renewed).then(|| groups::Earlier::read(bind).deformation) }
     }
 
     /// Since the reference configuration.
     pub(super) fn since_reference(self, i: Index) -> Tensor<Recorded> {
-        self.since.tensor(0, i)
+        self.since.high().get(i)
     }
 
     /// That of the reference configuration, if it is not the initial one.
     pub(super) fn earlier(self, i: Index) -> Option<Tensor<Recorded>> {
-        self.earlier.map(|earlier| earlier.tensor(0, i))
+        self.earlier.map(|earlier| earlier.high().get(i))
     }
 
     /// `F - 1` since the start.
@@ -94,10 +96,10 @@ impl Deformations {
 }
 
 /// `F - 1` of deformation gradients with their rests, with the digits that single precision does not have of `F`.
-pub(super) fn less_identity(deformation: Reading, i: Index) -> Tensor<Recorded> {
+pub(super) fn less_identity(deformation: CompensatedTensor<Read>, i: Index) -> Tensor<Recorded> {
     [0, 1, 2].map(|a| {
         [0, 1, 2].map(|b| {
-            let [high, low] = deformation.double(3 * a + b, 9 + 3 * a + b, i);
+            let [high, low] = deformation.component(3 * a + b).get(i);
             if a == b { (high - Recorded::one()) + low } else { high + low }
         })
     })
@@ -110,34 +112,30 @@ pub(in crate::engine) fn renew(model: &Model, count: usize) -> Result<Recording,
     recording("renew_reference", count, |bind, i| {
         let Some(apart) = Apart::of(bind, model, References::Renewed) else { return };
         let (place, density, constants) =
-            (bind.read(Group::Place), bind.read(Group::Density), bind.read(Group::Constants));
-        let (velocity, step) = (bind.read(Group::Velocity), bind.read(Group::Step));
-        let (reference, stretch) = (bind.write(Group::Reference), bind.write(Group::Stretch));
-        let (since, earlier) = (bind.write(Group::Deformation), bind.write(Group::Earlier));
-        let springs = bind.write(Group::Springs);
+            (groups::Place::read(bind).position, groups::Density::read(bind).density, groups::Constants::read(bind));
+        let (velocity, step) = (groups::Velocity::read(bind).velocity, groups::Step::shared(bind));
+        let (reference, stretch) = (groups::Reference::write(bind), groups::Stretch::write(bind));
+        let (since, earlier) = (groups::Deformation::write(bind).deformation, groups::Earlier::write(bind).deformation);
+        let springs = groups::Springs::write(bind);
         let renew = || {
-            let dt = step.get(0, Index::of(DT));
+            let dt = step.dt.value();
             for a in 0..3 {
-                let start = added(place.double(a, 3 + a, i), -(dt * velocity.get(a, i)));
-                reference.set(a, i, start[0]);
-                reference.set(3 + a, i, start[1]);
+                let start = added(place.axis(a).get(i), -(dt * velocity.high().axis(a).get(i)));
+                reference.position.axis(a).set(i, start);
             }
-            let volume = Double::from(constants.get(0, i)) / Double::new(density.double(0, 1, i));
-            reference.set_all(6, i, &[volume.high, volume.low]);
-            let tensor =
-                |of: Writing| [0, 1, 2].map(|a| [0, 1, 2].map(|b| Double::new(of.double(3 * a + b, 9 + 3 * a + b, i))));
-            let whole = multiply(&tensor(since), &tensor(earlier));
+            let volume = Double::from(constants.mass.get(i)) / Double::new(density.get(i));
+            reference.volume.set(i, [volume.high, volume.low]);
+            let whole = multiply(&since.doubles(i), &earlier.doubles(i));
             for (k, component) in whole.into_iter().flatten().enumerate() {
-                earlier.set(k, i, component.high);
-                earlier.set(9 + k, i, component.low);
+                earlier.component(k).set(i, [component.high, component.low]);
             }
             for (k, one) in identity::<Recorded>().into_iter().flatten().enumerate() {
-                since.set(k, i, one);
-                since.set(9 + k, i, Recorded::zero());
+                since.component(k).set(i, [one, Recorded::zero()]);
             }
-            stretch.set(0, i, Recorded::one());
-            springs.set(0, i, Recorded::one());
-            springs.set_all(1, i, &[Recorded::zero(); 10]);
+            stretch.smallest.set(i, Recorded::one());
+            springs.least_stretch.set(i, Recorded::one());
+            springs.misfit.set(i, Recorded::zero());
+            springs.moment.set(i, &[[Recorded::zero(); 3]; 3]);
             NOTHING
         };
         Recorded::if_lt(Recorded::of(0.5), apart.is_due(i), renew, || NOTHING);
@@ -151,11 +149,11 @@ pub(in crate::engine) fn count<const D: usize>(
     count: usize,
 ) -> Result<Recording, KernelFault> {
     recording("count_neighbors", count, |bind, i| {
-        let near = (bind.read(Group::Reference), now(bind.read(Group::Constants)));
-        let weight = bind.write(Group::Weight);
+        let near = (groups::Reference::read(bind).position, now(groups::Constants::read(bind)));
+        let weight = groups::Weight::write(bind);
         let zero = Recorded::zero();
         let sum = over_own_body::<_, D>(bind, model, grid, i, near, zero, |sum: Recorded, _, _| sum + Recorded::one());
-        weight.set(1, i, sum);
+        weight.neighbors.set(i, sum);
     })
 }
 
@@ -166,7 +164,7 @@ pub(in crate::engine) fn list<const D: usize>(
     count: usize,
 ) -> Result<Recording, KernelFault> {
     recording("list_neighbors", count, |bind, i| {
-        let near = (bind.read(Group::Reference), now(bind.read(Group::Constants)));
+        let near = (groups::Reference::read(bind).position, now(groups::Constants::read(bind)));
         let (starts, list) = (bind.indices(Group::ListStarts), bind.index_output(Group::List));
         let first = starts.at(i);
         over_own_body::<_, D>(bind, model, grid, i, near, Recorded::zero(), |before: Recorded, pair, j| {
@@ -185,12 +183,12 @@ pub(in crate::engine) fn correct<const D: usize>(
     let kernel = model.numerics.kernel;
     recording("correct_reference", count, |bind, i| {
         let apart = Apart::of(bind, model, references);
-        let near = (bind.read(Group::Reference), bind.read(Group::Constants));
-        let (correction, springs) = (bind.write(Group::Correction), bind.write(Group::Springs));
+        let near = (groups::Reference::read(bind), groups::Constants::read(bind));
+        let (correction, springs) = (groups::Correction::write(bind).correction, groups::Springs::write(bind));
         let zero = [[Recorded::zero(); 3]; 3];
         let moment = over_list::<_, D>(bind, model, i, near, zero, |moment: [[Recorded; 3]; 3], pair, j| {
             let (q, inverse_q) = pair.scale.reduced_distance(pair.r2);
-            let f = pair.scale.weighted(near.0.get(6, j)).f(kernel.dw_over_q_by(q, inverse_q));
+            let f = pair.scale.weighted(near.0.volume.high().get(j)).f(kernel.dw_over_q_by(q, inverse_q));
             let mut sums = GradientSums { moment, ..GradientSums::zero() };
             sums.add::<D, true>(&pair.x, &[Recorded::zero(); 3], f);
             sums.moment
@@ -202,8 +200,8 @@ pub(in crate::engine) fn correct<const D: usize>(
             None => usual(),
             Some(apart) => Recorded::if_lt(Recorded::of(0.5), apart.has_come_apart(i), of_pieces, usual),
         };
-        correction.set_all(0, i, b.as_flattened());
-        springs.set(0, i, springs.get(0, i) * is_fit(&moment, &b, model.dimensions.into()));
+        correction.set(i, &b);
+        springs.least_stretch.set(i, springs.least_stretch.get(i) * is_fit(&moment, &b, model.dimensions.into()));
     })
 }
 
@@ -214,7 +212,8 @@ fn is_deleted(bind: &mut Binder<'_>, model: &Model, i: Index) -> Recorded {
     let variables = HistoryVariables::of(model).variables;
     let place = variables.iter().position(|variable| variable.name == INTEGRITY.name);
     let Some(place) = place.filter(|_| !deleting.is_empty()) else { return Recorded::zero() };
-    let (body, integrity) = (bind.indices(Group::Body).at(i).number(), bind.read(Group::History).get(2 * place, i));
+    let (body, integrity) =
+        (bind.indices(Group::Body).at(i).number(), groups::History::read(bind).of(place).value.high().get(i));
     let severed = Recorded::select_lt(Recorded::zero(), integrity, Recorded::zero(), Recorded::one());
     deleting.into_iter().fold(Recorded::zero(), |one, b| {
         let other = (body - Recorded::of(b as f64)).abs();
@@ -231,53 +230,56 @@ pub(in crate::engine) fn deform<const D: usize>(
 ) -> Result<Recording, KernelFault> {
     let kernel = model.numerics.kernel;
     recording("deform", count, |bind, i| {
-        let near = (bind.read(Group::Reference), bind.read(Group::Constants));
-        let (velocity, correction) = (bind.read(Group::Velocity), bind.read(Group::Correction));
-        let (gradient, of_density) = (bind.write(Group::Gradient), bind.write(Group::Density));
-        let (deformation, stretch) = (bind.write(Group::Deformation), bind.write(Group::Stretch));
-        let (rates, step) = (bind.write(Group::Rates), bind.read(Group::Step));
-        let (springs, plastic) = (bind.write(Group::Springs), bind.read(Group::Plastic));
-        let (deviator, pressures) = (bind.read(Group::Deviator), bind.read(Group::Pressure));
+        let near = (groups::Reference::read(bind), groups::Constants::read(bind));
+        let (velocity, correction) = (groups::Velocity::read(bind).velocity, groups::Correction::read(bind).correction);
+        let (gradient, of_density) =
+            (groups::Gradient::write(bind).velocity_gradient, groups::Density::write(bind).density);
+        let (deformation, stretch) = (groups::Deformation::write(bind).deformation, groups::Stretch::write(bind));
+        let (rates, step) = (groups::Rates::write(bind), groups::Step::shared(bind));
+        let (springs, plastic) = (groups::Springs::write(bind), groups::Plastic::read(bind));
+        let (deviator, pressures) = (groups::Deviator::read(bind).deviator, groups::Pressure::read(bind));
         let apart = Apart::of(bind, model, references);
-        let own = velocity.vector(0, i);
+        let own = velocity.high().get(i);
         let zero = [[Recorded::zero(); 3]; 3];
         let sum = over_list::<_, D>(bind, model, i, near, zero, |gradient: [[Recorded; 3]; 3], pair, j| {
-            let other = pair.image.vector(velocity.vector(0, j));
+            let other = pair.image.vector(velocity.high().get(j));
             let (q, inverse_q) = pair.scale.reduced_distance(pair.r2);
-            let f = pair.scale.weighted(near.0.get(6, j)).f(kernel.dw_over_q_by(q, inverse_q));
+            let f = pair.scale.weighted(near.0.volume.high().get(j)).f(kernel.dw_over_q_by(q, inverse_q));
             let mut sums = GradientSums { gradient, ..GradientSums::zero() };
             sums.add::<D, false>(&pair.x, &[0, 1, 2].map(|a| other[a] - own[a]), f);
             sums.gradient
         });
-        let dt = step.get(0, Index::of(DT));
-        let correction = correction.tensor(0, i);
+        let dt = step.dt.value();
+        let correction = correction.get(i);
         let rate = corrected(&sum, &correction);
         let complete = || {
-            let ([pressure, sound_speed], rho) = ([0, 1].map(|field| pressures.get(field, i)), of_density.get(0, i));
+            let ([pressure, sound_speed], rho) =
+                ([pressures.pressure, pressures.sound_speed].map(|of| of.get(i)), of_density.high().get(i));
             let across = Across {
                 bulk_modulus: rho * sound_speed * sound_speed,
-                shear_modulus: pressures.get(2, i),
-                stress: deviator.symmetric(0, i) - SymmetricTensor::isotropic(pressure),
+                shear_modulus: pressures.shear_modulus.get(i),
+                stress: deviator.get(i) - SymmetricTensor::isotropic(pressure),
             };
-            completed_rate(&deformation.tensor(0, i), &rate, &correction, &across, dt)
+            completed_rate(&deformation.high().get(i), &rate, &correction, &across, dt)
         };
         let rate = Recorded::if_lt(Recorded::zero(), is_thin(&correction), complete, || rate);
         let left = Recorded::one() - is_deleted(bind, model, i);
         let rate = rate.map(|row| row.map(|c| left * c));
-        let l = velocity_gradient(&deformation.tensor(0, i), &rate, dt);
+        let l = velocity_gradient(&deformation.high().get(i), &rate, dt);
         for (k, rate) in rate.into_iter().flatten().enumerate() {
-            deformation.add(k, 9 + k, i, dt * rate);
+            deformation.component(k).add(i, dt * rate);
         }
-        let f = deformation.tensor(0, i);
+        let f = deformation.high().get(i);
         let smallest = smallest_stretch(&f);
-        gradient.set_all(0, i, l.as_flattened());
-        let double = |a: usize, b: usize| Double::new(deformation.double(3 * a + b, 9 + 3 * a + b, i));
-        let whole = [0, 1, 2].map(|a| [0, 1, 2].map(|b| double(a, b)));
-        let rho = density(Double::from(near.1.get(0, i)), Double::new(near.0.double(6, 7, i)), &whole);
-        of_density.set_all(0, i, &[rho.high, rho.low]);
-        stretch.set(0, i, smallest);
-        let least = springs.get(0, i);
-        springs.set(0, i, left * Recorded::select_lt(Recorded::zero(), plastic.get(2, i), least.min(smallest), least));
+        gradient.set(i, &l);
+        let whole = deformation.doubles(i);
+        let rho = density(Double::from(near.1.mass.get(i)), near.0.volume.double(i), &whole);
+        of_density.set(i, [rho.high, rho.low]);
+        stretch.smallest.set(i, smallest);
+        let least = springs.least_stretch.get(i);
+        springs
+            .least_stretch
+            .set(i, left * Recorded::select_lt(Recorded::zero(), plastic.increment.get(i), least.min(smallest), least));
         let too_far = |bound: f64| {
             let once = || stretched(&f, Recorded::of(bound));
             apart.map_or_else(once, |apart| {
@@ -285,7 +287,7 @@ pub(in crate::engine) fn deform<const D: usize>(
                 Recorded::if_lt(Recorded::of(0.5), apart.has_come_apart(i), again, once)
             })
         };
-        stretch.set(2, i, renewal.map_or_else(Recorded::zero, too_far));
-        rates.set(6, i, bulk_mu(&l, near.1.get(1, i) * smallest));
+        stretch.is_beyond.set(i, renewal.map_or_else(Recorded::zero, too_far));
+        rates.largest_mu.set(i, bulk_mu(&l, near.1.smoothing_length.get(i) * smallest));
     })
 }

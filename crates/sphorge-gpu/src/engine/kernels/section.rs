@@ -1,8 +1,7 @@
 //! Pairs across a section: the force of particles ahead of its plane on those behind it.
 
 use super::images::Image;
-use super::neighbors::places;
-use crate::engine::columns::{Binder, Fields, Group, Reading, Writing};
+use crate::engine::columns::{Binder, CompensatedVector, Group, Read, VectorColumns, Write, WriteColumns, groups};
 use crate::record::{Index, Indices, Recorded};
 use sphorge_engine::model::{Model, Section};
 use sphorge_physics::section::{counted_by_row, share_through};
@@ -26,22 +25,28 @@ impl Through<'_> {
 #[derive(Clone, Copy)]
 pub(super) struct Crossing<'a> {
     section: &'a Section,
-    place: Reading,
+    place: CompensatedVector<Read>,
     bodies: Option<Indices>,
     /// m.
     spacing: f64,
     /// Distance of the particle ahead of the plane, m.
     ahead: Recorded,
     i: Index,
-    sums: Writing,
+    sums: VectorColumns<Write>,
 }
 
 impl<'a> Crossing<'a> {
     /// For a particle, whose position is bound.
-    pub(super) fn of(bind: &mut Binder<'_>, model: &Model, through: Through<'a>, i: Index, place: Reading) -> Self {
+    pub(super) fn of(
+        bind: &mut Binder<'_>,
+        model: &Model,
+        through: Through<'a>,
+        i: Index,
+        place: CompensatedVector<Read>,
+    ) -> Self {
         let section = through.section;
         let bodies = section.body.map(|_| bind.indices(Group::Body));
-        let sums = bind.write(Group::Section(through.number));
+        let sums = groups::Section::write_of(bind, Group::Section(through.number)).force;
         let spacing = model.spacing;
         let mut crossing = Self { section, place, bodies, spacing, ahead: Recorded::zero(), i, sums };
         crossing.ahead = crossing.ahead_of(None, i);
@@ -50,7 +55,7 @@ impl<'a> Crossing<'a> {
 
     /// Distance of a particle, or of an image of it, ahead of the plane, m.
     fn ahead_of(&self, image: Option<&Image>, of: Index) -> Recorded {
-        let at = places(self.place, of);
+        let at = self.place.get(of);
         let mut ahead = Recorded::zero();
         for axis in (0..3).filter(|axis| self.section.normal[*axis] != 0.0) {
             let offset = Image::offset(image, axis, self.section.point[axis], at[axis]);
@@ -90,8 +95,8 @@ impl<'a> Crossing<'a> {
     /// Sets the sum of the particle to this value, N, or adds it.
     pub(super) fn set(&self, force: Vector<Recorded>, adds: bool) {
         for (a, force) in force.into_iter().enumerate() {
-            let before = if adds { self.sums.get(a, self.i) } else { Recorded::zero() };
-            self.sums.set(a, self.i, before + force);
+            let before = if adds { self.sums.axis(a).get(self.i) } else { Recorded::zero() };
+            self.sums.axis(a).set(self.i, before + force);
         }
     }
 }

@@ -1,12 +1,9 @@
 //! Smoothing lengths that follow the density.
 
-use crate::engine::columns::{Fields, Group, Recording, recording};
+use crate::engine::columns::{ReadColumns, Recording, WriteColumns, groups, recording};
 use crate::record::KernelFault;
 use sphorge_engine::model::{Model, SmoothingLength};
 use sphorge_physics::kernel::following_smoothing_length;
-
-/// Index of the initial smoothing length, m, among [`Group::Constants`].
-pub(in crate::engine) const AT_START: usize = 7;
 
 /// Largest ratio of smoothing lengths to the initial ones.
 pub(in crate::engine) fn largest_factor(model: &Model) -> f64 {
@@ -21,12 +18,12 @@ pub(in crate::engine) fn largest_factor(model: &Model) -> f64 {
 pub(in crate::engine) fn follow(model: &Model, count: usize) -> Result<Option<Recording>, KernelFault> {
     let SmoothingLength::FollowDensity { factor } = model.numerics.smoothing_length else { return Ok(None) };
     let kernel = recording("follow_density", count, |bind, i| {
-        let (constants, density) = (bind.write(Group::Constants), bind.read(Group::Density));
+        let (constants, density) = (groups::Constants::write(bind), groups::Density::read(bind).density);
         // From the mass and its volume at rest.
-        let at_rest = constants.get(0, i) / constants.get(6, i);
-        let at_start = constants.get(AT_START, i);
-        let now = following_smoothing_length(model.dimensions.into(), at_start, at_rest, density.get(0, i), factor);
-        constants.set(1, i, now);
+        let at_rest = constants.mass.get(i) / constants.volume_at_rest.get(i);
+        let at_start = constants.initial_smoothing_length.get(i);
+        let now = following_smoothing_length(model.dimensions.into(), at_start, at_rest, density.high().get(i), factor);
+        constants.smoothing_length.set(i, now);
     })?;
     Ok(Some(kernel))
 }

@@ -1,11 +1,11 @@
 //! The stress of the particles of a material: equation of state, trial stress, return mapping, heat.
 
-use super::kick::ARTIFICIAL_WORK;
 use super::pairs::compressed;
 use super::reference::{Deformations, References};
-use crate::engine::columns::{Fields, Group, Recording, added, recording};
-use crate::engine::step_numbers::{DT, END, HALF};
-use crate::record::{Double, Index, KernelFault, Recorded};
+use crate::engine::columns::{
+    Group, Member, ReadColumns, ReadShared, Recording, WriteColumns, added, groups, recording,
+};
+use crate::record::{Double, KernelFault, Recorded};
 use sphorge_engine::model::{Formulation, Model, TemperatureSource};
 use sphorge_engine::particles::HistoryVariables;
 use sphorge_physics::artificial_stress::artificial_stress;
@@ -66,22 +66,22 @@ pub(in crate::engine) fn stress(
     recording(&name, count, |bind, thread| {
         let members = bind.indices(Group::Members(k));
         let i = members.at(thread);
-        let step = bind.read(Group::Step);
-        let density = bind.write(Group::Density);
-        let (gradient, energy) = (bind.read(Group::Gradient), bind.read(Group::Energy));
-        let (deviator, plastic) = (bind.write(Group::Deviator), bind.write(Group::Plastic));
-        let (temperature, pressures) = (bind.write(Group::Temperature), bind.write(Group::Pressure));
-        let half = step.get(0, Index::of(HALF));
-        let dt = if of.commits() { step.get(0, Index::of(DT)) } else { half };
-        let l = gradient.tensor(0, i);
+        let step = groups::Step::shared(bind);
+        let density = groups::Density::write(bind).density;
+        let (gradient, energy) = (groups::Gradient::read(bind).velocity_gradient, groups::Energy::read(bind));
+        let (deviator, plastic) = (groups::Deviator::write(bind).deviator, groups::Plastic::write(bind));
+        let (temperature, pressures) = (groups::Temperature::write(bind).temperature, groups::Pressure::write(bind));
+        let half = step.half.value();
+        let dt = if of.commits() { step.dt.value() } else { half };
+        let l = gradient.get(i);
         let (rho, e) = match of {
             StressOf::End => {
-                let after = compressed(bind.read(Group::BaseDensity).double(0, 1, i), &l, dt);
-                density.set_all(0, i, &after);
-                (after, energy.double(0, 1, i))
+                let after = compressed(groups::BaseDensity::read(bind).density.get(i), &l, dt);
+                density.set(i, after);
+                (after, energy.energy.get(i))
             }
             StressOf::Middle | StressOf::Leapfrog => {
-                (density.double(0, 1, i), added(energy.double(0, 1, i), half * energy.get(2, i)))
+                (density.get(i), added(energy.energy.get(i), half * energy.rate.get(i)))
             }
         };
         // A pressure is small compared with the bulk modulus: from densities in single precision it would be accurate
@@ -90,14 +90,15 @@ pub(in crate::engine) fn stress(
         let whole = PressureState { pressure: state.pressure.high, sound_speed: state.sound_speed.high };
         let ([rho, _], [e, _]) = (rho, e);
         let slots = &HistoryVariables::of(model).slots[k];
-        let history = (!slots.is_empty()).then(|| bind.write(Group::History));
+        let history = (!slots.is_empty()).then(|| groups::History::write(bind));
         // Integrity is kept behind the variables of the flow law and of damage.
         let laws = material.flow_law.history().len();
         let breaking = slots.last().filter(|_| material.breaks()).zip(history);
         let one = Recorded::one();
-        let size =
-            breaking.map_or(one, |_| smeared_width(numerics.kernel.support(), bind.read(Group::Constants).get(1, i)));
-        let before = breaking.map_or(one, |(slot, of)| of.get(2 * slot, i));
+        let size = breaking.map_or(one, |_| {
+            smeared_width(numerics.kernel.support(), groups::Constants::read(bind).smoothing_length.get(i))
+        });
+        let before = breaking.map_or(one, |(slot, of)| of.of(*slot).value.high().get(i));
         let spalled = material.spall().map(|spall| spall.cast::<Recorded>().borne(rho, whole.pressure, before, size));
         let mut borne = match (spalled, material.damage) {
             (Some(spalled), None) => spalled,
@@ -111,15 +112,15 @@ pub(in crate::engine) fn stress(
         };
         let state = PressureState { pressure: borne.pressure, ..whole };
         let flow = FlowState {
-            plastic_strain: plastic.get(0, i),
+            plastic_strain: plastic.strain.high().get(i),
             plastic_strain_rate: Recorded::zero(),
-            temperature: temperature.get(0, i),
+            temperature: temperature.high().get(i),
             pressure: state.pressure,
             compression: rho / Recorded::of(material.density),
         };
         let law = material.flow_law.cast::<Recorded>();
         let shear_modulus = law.shear_modulus(Recorded::of(material.shear_modulus), flow);
-        let stored = deviator.symmetric(0, i);
+        let stored = deviator.get(i);
         // A particle of that integrity bears the stress of whole material times it, and one without any none.
         let of_whole = match breaking {
             Some(_) => {
@@ -138,35 +139,34 @@ pub(in crate::engine) fn stress(
             Formulation::TotalLagrangian { hourglass, .. }
                 if hourglass != 0.0 && of.commits() && numerics.temperature == TemperatureSource::Energy =>
             {
-                let (springs, constants) = (bind.read(Group::Springs), bind.read(Group::Constants));
-                let (strength, young, least) = (Recorded::of(hourglass), constants.get(5, i), springs.get(0, i));
-                let spring = Spring::new(strength, young, plastic.get(3, i), plastic.get(0, i), least);
-                let volume_by_mass = bind.read(Group::Reference).get(6, i) / constants.get(0, i);
-                Some(volume_by_mass * spring.energy(springs.get(1, i), model.dimensions.into()))
+                let (springs, constants) = (groups::Springs::read(bind), groups::Constants::read(bind));
+                let (strength, young, least) =
+                    (Recorded::of(hourglass), constants.young_modulus.get(i), springs.least_stretch.get(i));
+                let spring =
+                    Spring::new(strength, young, plastic.yield_stress.get(i), plastic.strain.high().get(i), least);
+                let volume_by_mass = groups::Reference::read(bind).volume.high().get(i) / constants.mass.get(i);
+                Some(volume_by_mass * spring.energy(springs.misfit.get(i), model.dimensions.into()))
             }
             _ => None,
         };
-        let guess = plastic.get(2, i);
-        let kept: Vec<[Recorded; 2]> = history
-            .iter()
-            .flat_map(|of| slots[..laws].iter().map(|slot| of.double(2 * slot, 2 * slot + 1, i)))
-            .collect();
+        let guess = plastic.increment.get(i);
+        let kept: Vec<[Recorded; 2]> =
+            history.iter().flat_map(|of| slots[..laws].iter().map(|slot| of.of(*slot).value.get(i))).collect();
         let held: Vec<Recorded> = kept.iter().map(|kept| kept[0]).collect();
         let mut returned =
             return_mapping_near(material.return_rule, &law, shear_modulus, trial, flow, &held, dt, guess);
         let evolved = returned.step(flow, dt);
         if let (Some(damage), Some((_, history)), true) = (&material.damage, breaking, of.commits()) {
-            let [damaged, failed_at, energy] = [0, 1, 2].map(|k| 2 * slots[laws + k]);
+            let [damaged, failed_at, energy] = [0, 1, 2].map(|k| history.of(slots[laws + k]).value);
             // An increment may be smaller than the resolution of a number in single precision.
             let moduli = material.moduli(shear_modulus);
-            let kept =
-                Before { damage: Double::new(history.double(damaged, damaged + 1, i)), integrity: before.into() };
+            let kept = Before { damage: damaged.double(i), integrity: before.into() };
             let moduli = Moduli { young: moduli.young.into(), shear: moduli.shear.into() };
             let broken = damage.cast::<Double>().after_step(&in_pairs(&evolved), moduli, size.into(), kept);
             let severed = Recorded::select_lt(Recorded::zero(), before, broken.integrity.high, Recorded::zero());
             borne.integrity = borne.integrity.min(severed);
             let grown = Double::select_lt(Double::zero(), kept.integrity, broken.damage, kept.damage);
-            history.set_all(damaged, i, &[grown.high, grown.low]);
+            damaged.set(i, [grown.high, grown.low]);
             let elastic = material.elastic_energy_of_breaking(
                 returned.deviator,
                 shear_modulus,
@@ -175,11 +175,10 @@ pub(in crate::engine) fn stress(
                 state.sound_speed,
             );
             let softened = broken.share.high * before * returned.plastic_work / rho;
-            history.add(energy, energy + 1, i, softened + (before - borne.integrity) * elastic);
-            let now =
-                Recorded::select_lt(borne.integrity, before, step.get(0, Index::of(END)), history.get(failed_at, i));
+            energy.add(i, softened + (before - borne.integrity) * elastic);
+            let now = Recorded::select_lt(borne.integrity, before, step.end.value(), failed_at.high().get(i));
             let at = Recorded::select_lt(Recorded::zero(), borne.integrity, Recorded::zero(), now);
-            history.set_all(failed_at, i, &[at, Recorded::zero()]);
+            failed_at.set(i, [at, Recorded::zero()]);
         }
         let state = match &material.damage {
             Some(damage) => {
@@ -203,22 +202,24 @@ pub(in crate::engine) fn stress(
             // Of the deviator, which integrity has been taken from already, in the energy of whole material.
             elastic_share = Recorded::select_lt(zero, borne.integrity, one / borne.integrity, zero);
         }
-        pressures.set_all(0, i, &[state.pressure, state.sound_speed, shear_modulus]);
+        pressures.pressure.set(i, state.pressure);
+        pressures.sound_speed.set(i, state.sound_speed);
+        pressures.shear_modulus.set(i, shear_modulus);
         if of.commits() {
-            deviator.set_all(0, i, &returned.deviator.to_array());
-            plastic.add(0, 1, i, returned.plastic_strain_increment);
-            plastic.set(2, i, returned.plastic_strain_increment);
-            plastic.set(3, i, returned.yield_stress);
-            plastic.add(4, 5, i, returned.plastic_work / rho);
+            deviator.set(i, returned.deviator);
+            plastic.strain.add(i, returned.plastic_strain_increment);
+            plastic.increment.set(i, returned.plastic_strain_increment);
+            plastic.yield_stress.set(i, returned.yield_stress);
+            plastic.work.add(i, returned.plastic_work / rho);
             if let Some((slot, history)) = breaking {
-                history.set_all(2 * slot, i, &[borne.integrity, Recorded::zero()]);
+                history.of(*slot).value.set(i, [borne.integrity, Recorded::zero()]);
             }
             if let Some(history) = history.filter(|_| laws > 0) {
                 // The increment of a step may be smaller than the resolution of the sum in single precision.
                 let mut values: Vec<Double> = kept.into_iter().map(Double::new).collect();
                 material.flow_law.cast().evolve(&in_pairs(&evolved), &mut values);
                 for (slot, value) in slots[..laws].iter().zip(values) {
-                    history.set_all(2 * slot, i, &[value.high, value.low]);
+                    history.of(*slot).value.set(i, [value.high, value.low]);
                 }
             }
             match numerics.temperature {
@@ -226,67 +227,69 @@ pub(in crate::engine) fn stress(
                     let (beta, specific_heat) =
                         (Recorded::of(material.taylor_quinney), Recorded::of(material.specific_heat));
                     let rise = temperature_rise_from_plastic_work(beta, returned.plastic_work, rho, specific_heat);
-                    temperature.add(0, 1, i, rise);
+                    temperature.add(i, rise);
                 }
                 TemperatureSource::PlasticWork => {}
                 TemperatureSource::Energy => {
                     let mut heat = held_by_springs.map_or(e, |held| e - held);
                     if model.books_artificial_energy() {
-                        let (accounts, constants) = (bind.read(Group::Accounts), bind.read(Group::Constants));
-                        heat -= accounts.get(ARTIFICIAL_WORK, i) / constants.get(0, i);
+                        let (accounts, constants) = (groups::Accounts::read(bind), groups::Constants::read(bind));
+                        heat -= accounts.artificial_stress.high().get(i) / constants.mass.get(i);
                         if of == StressOf::Leapfrog {
-                            heat -= half * energy.get(4, i);
+                            heat -= half * energy.artificial_stress_rate.get(i);
                         }
                     }
                     let whole = returned.deviator * elastic_share;
                     let elastic = borne.integrity * material.elastic_energy(whole, shear_modulus, rho);
                     let cold = material.cold_energy(&material.cold_energies::<Recorded>(), rho, borne.integrity);
-                    let warm = material.temperature_of_energy(heat, cold, elastic, plastic.get(4, i));
-                    temperature.set_all(0, i, &[warm, Recorded::zero()]);
+                    let warm = material.temperature_of_energy(heat, cold, elastic, plastic.work.high().get(i));
+                    temperature.set(i, [warm, Recorded::zero()]);
                 }
             }
         }
         if !of.is_read_by_forces() {
             return;
         }
-        let (packed, constants) = (bind.write(Group::Packed), bind.read(Group::Constants));
+        let (packed, constants) = (groups::Packed::write(bind), groups::Constants::read(bind));
         let mut pressure = state.pressure;
         if model.is_total_lagrangian() {
-            let (stretch, accounts) = (bind.write(Group::Stretch), bind.write(Group::Accounts));
+            let (stretch, accounts) = (groups::Stretch::write(bind), groups::Accounts::write(bind));
             let parameters = ViscosityParameters {
                 alpha: Recorded::of(numerics.viscosity_alpha),
                 beta: Recorded::of(numerics.viscosity_beta),
             };
-            let (divergence, shortest) = (l[0][0] + l[1][1] + l[2][2], constants.get(1, i) * stretch.get(0, i));
+            let (divergence, shortest) =
+                (l[0][0] + l[1][1] + l[2][2], constants.smoothing_length.get(i) * stretch.smallest.get(i));
             let q = borne.share * bulk_viscosity(parameters, divergence, rho, state.sound_speed, shortest);
-            let power = bulk_viscous_power(mean(stretch.get(1, i), q), divergence, rho);
-            accounts.add(10, 11, i, constants.get(0, i) * dt * power);
-            stretch.set(1, i, q);
+            let power = bulk_viscous_power(mean(stretch.bulk_viscosity.get(i), q), divergence, rho);
+            accounts.viscous.add(i, constants.mass.get(i) * dt * power);
+            stretch.bulk_viscosity.set(i, q);
             pressure += q;
             if let Formulation::TotalLagrangian { renewal: Some(bound), .. } = model.formulation
                 && bound > LARGEST_STRETCH_OF_A_LIQUID
             {
-                let is_liquid = material.liquid(temperature.get(0, i), || {
+                let is_liquid = material.liquid(temperature.high().get(i), || {
                     let elastic = material.elastic_energy(returned.deviator, Recorded::of(material.shear_modulus), rho);
                     let cold = material.cold_energy(&material.cold_energies::<Recorded>(), rho, borne.integrity);
-                    material.temperature_of_energy(e, cold, elastic, plastic.get(4, i))
+                    material.temperature_of_energy(e, cold, elastic, plastic.work.high().get(i))
                 });
-                let f = bind.read(Group::Deformation).tensor(0, i);
+                let f = groups::Deformation::read(bind).deformation.high().get(i);
                 let flows = is_liquid * stretched(&f, Recorded::of(LARGEST_STRETCH_OF_A_LIQUID));
-                stretch.set(2, i, stretch.get(2, i).max(flows));
+                stretch.is_beyond.set(i, stretch.is_beyond.get(i).max(flows));
             }
         }
         let sigma = (returned.deviator - SymmetricTensor::isotropic(pressure)) * stress_scale(numerics.pair_form, rho);
-        packed.set_all(0, i, &sigma.to_array());
+        packed.stress.set(i, sigma);
         if numerics.artificial_stress.is_some() {
             let left = material.bounded_pressure::<Recorded>().energy_left(e);
-            let repulsion = artificial_stress(sigma, constants.get(2, i) * left, model.dimensions.into());
-            packed.set_all(6, i, &repulsion.to_array());
+            let repulsion =
+                artificial_stress(sigma, constants.artificial_stress.get(i) * left, model.dimensions.into());
+            packed.artificial_stress.set(i, repulsion);
         }
         if numerics.balsara {
-            packed.set(12, i, balsara(&l, state.sound_speed, constants.get(1, i)));
+            packed.balsara.set(i, balsara(&l, state.sound_speed, constants.smoothing_length.get(i)));
         }
-        packed.set(13, i, state.sound_speed);
+        packed.sound_speed.set(i, state.sound_speed);
     })
 }
 
@@ -313,8 +316,8 @@ pub(in crate::engine) fn warm(model: &Model, k: usize, count: usize) -> Result<R
     recording(&format!("warm_by_friction_{k}"), count, |bind, thread| {
         let i = bind.indices(Group::Members(k)).at(thread);
         let (external, temperature, step) =
-            (bind.read(Group::External), bind.write(Group::Temperature), bind.read(Group::Step));
-        let dt = step.get(0, Index::of(DT));
-        temperature.add(0, 1, i, external.get(4, i) * dt / Recorded::of(specific_heat));
+            (groups::External::read(bind), groups::Temperature::write(bind).temperature, groups::Step::shared(bind));
+        let dt = step.dt.value();
+        temperature.add(i, external.friction_heat.get(i) * dt / Recorded::of(specific_heat));
     })
 }

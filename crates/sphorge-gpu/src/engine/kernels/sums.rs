@@ -4,7 +4,7 @@
 //! segment has a few threads, its lanes, which take its particles in turn; then a thread of each sum adds what the lanes have found, in order. The sums of the
 //! segments are read back.
 
-use crate::engine::columns::{Binder, Fields, Group, Reading, Recording, Writing, recording};
+use crate::engine::columns::{Binder, Compensated, Group, Number, Reading, Recording, Writing, recording};
 use crate::record::{Double, Index, Indices, KernelFault, Recorded, Scope};
 use sphorge_physics::{Elementary, Numbers, Real};
 
@@ -125,6 +125,19 @@ pub(super) fn given(numbers: Reading, at: Index) -> Double {
 pub(in crate::engine) struct Term {
     pub(in crate::engine) column: usize,
     pub(in crate::engine) rest: Option<usize>,
+}
+
+impl From<Number<()>> for Term {
+    fn from(of: Number<()>) -> Self {
+        Self { column: of.column(), rest: None }
+    }
+}
+
+impl From<Compensated<()>> for Term {
+    fn from(of: Compensated<()>) -> Self {
+        let [column, rest] = of.columns();
+        Self { column, rest: Some(rest) }
+    }
 }
 
 /// Sums of one kernel: as many as its threads have registers for.

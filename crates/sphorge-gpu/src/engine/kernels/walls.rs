@@ -1,10 +1,9 @@
 //! Walls and gravity.
 
 use super::reference::{Deformations, References};
-use super::smoothing::AT_START;
-use crate::engine::columns::{Fields, Group, Recording, recording};
-use crate::engine::step_numbers::{DT, GRAVITY, WALL_LENGTH, WALLS};
-use crate::record::{Index, KernelFault, Recorded};
+use crate::engine::columns::{Member, ReadColumns, ReadShared, Recording, WriteColumns, groups, recording};
+use crate::engine::step_numbers::of_wall as numbers_of_wall;
+use crate::record::{KernelFault, Recorded};
 use sphorge_engine::model::{Model, Wall, WallContact, WallSurface};
 use sphorge_physics::tensor::apply;
 use sphorge_physics::total_lagrangian::MeetingPoint;
@@ -13,52 +12,49 @@ use sphorge_physics::{Real, Tensor, Vector};
 
 /// Sums for each wall and particle: work, heat of friction and heat of damping, J.
 pub(in crate::engine) const SUMS: usize = 3;
-/// Numbers for each wall and particle: each sum with its rest, then their powers by the last forces, W.
-pub(in crate::engine) const FIELDS: usize = 3 * SUMS;
 
 /// Computes the effect of walls and gravity, to which self-contact adds. A wall acts on a particle of the total
 /// Lagrangian form at its face.
 pub(in crate::engine) fn push(model: &Model, references: References, count: usize) -> Result<Recording, KernelFault> {
     recording("push", count, |bind, i| {
-        let (place, evaluated) = (bind.read(Group::Place), bind.read(Group::Evaluated));
-        let (constants, step) = (bind.read(Group::Constants), bind.read(Group::Step));
-        let external = bind.write(Group::External);
-        let walls = (!model.walls.is_empty()).then(|| bind.write(Group::Walls));
+        let (place, evaluated) = (groups::Place::read(bind).position, groups::Evaluated::read(bind).velocity);
+        let (constants, step) = (groups::Constants::read(bind), groups::Step::shared(bind));
+        let external = groups::External::write(bind);
+        let walls = (!model.walls.is_empty()).then(|| groups::Walls::write(bind));
         let is_deformed = model.is_total_lagrangian() && walls.is_some();
         let has_faces = model.is_total_lagrangian() && (walls.is_some() || model.has_contact());
         let deformed = is_deformed.then(|| {
-            let (f, l) = (Deformations::of(bind, references), bind.read(Group::Gradient));
-            Deformed { whole: f.whole(i), earlier: f.earlier(i), velocity_gradient: l.tensor(0, i) }
+            let (f, l) = (Deformations::of(bind, references), groups::Gradient::read(bind).velocity_gradient);
+            Deformed { whole: f.whole(i), earlier: f.earlier(i), velocity_gradient: l.get(i) }
         });
-        let number = |k: u32| step.get(0, Index::of(k));
-        let vector = |k: u32| [number(k), number(k + 1), number(k + 2)];
-        let mut pushes = FacePushes::of_gravity(vector(GRAVITY));
+        let mut pushes = FacePushes::of_gravity(step.gravity.value());
         let mut rubbed = Recorded::zero();
-        let (mass, v) = (constants.get(0, i), evaluated.vector(0, i));
+        let (mass, v) = (constants.mass.get(i), evaluated.get(i));
         for (k, wall) in model.walls.iter().enumerate() {
-            let at = WALLS + k as u32 * WALL_LENGTH;
-            let (shift, moving) = (vector(at), vector(at + 3));
+            let of_step = numbers_of_wall(step, k);
+            let (shift, moving) = (of_step.displacement.value(), of_step.velocity.value());
             let body = AtWall {
-                h: constants.get(AT_START, i),
-                spacing: constants.get(3, i),
-                sound_speed: constants.get(4, i),
+                h: constants.initial_smoothing_length.get(i),
+                spacing: constants.spacing.get(i),
+                sound_speed: constants.sound_speed.get(i),
                 deformed,
             };
-            let x = [0, 1, 2].map(|a| place.get(a, i) - shift[a] + place.get(3 + a, i));
-            let push = of_wall(wall, &body, x, v, moving, number(DT));
+            let x = [0, 1, 2].map(|a| place.axis(a).high().get(i) - shift[a] + place.axis(a).low().get(i));
+            let push = of_wall(wall, &body, x, v, moving, step.dt.value());
             rubbed += push.rubbed;
             let power = pushes.add(&push, v);
             if let Some(walls) = walls {
                 for (sum, power) in [power, push.rubbed, push.heat - push.rubbed].into_iter().enumerate() {
-                    walls.set(FIELDS * k + 2 * SUMS + sum, i, mass * power);
+                    walls.of(k).powers.number(sum).set(i, mass * power);
                 }
             }
         }
-        external.set_all(0, i, &pushes.acceleration);
-        external.set_all(3, i, &[pushes.beyond, rubbed]);
+        external.acceleration.set(i, pushes.acceleration);
+        external.power.set(i, pushes.beyond);
+        external.friction_heat.set(i, rubbed);
         if has_faces {
-            let (face_stress, reference) = (bind.write(Group::FaceStress), bind.read(Group::Reference));
-            face_stress.set_all(0, i, pushes.stress(mass, reference.get(6, i)).as_flattened());
+            let (face_stress, reference) = (groups::FaceStress::write(bind).stress, groups::Reference::read(bind));
+            face_stress.set(i, &pushes.stress(mass, reference.volume.high().get(i)));
         }
     })
 }
@@ -66,12 +62,12 @@ pub(in crate::engine) fn push(model: &Model, references: References, count: usiz
 /// Adds these to acceleration and energy rate.
 pub(in crate::engine) fn add(count: usize) -> Result<Recording, KernelFault> {
     recording("add_external", count, |bind, i| {
-        let external = bind.read(Group::External);
-        let (rates, energy) = (bind.write(Group::Rates), bind.write(Group::Energy));
+        let external = groups::External::read(bind);
+        let (rates, energy) = (groups::Rates::write(bind), groups::Energy::write(bind));
         for a in 0..3 {
-            rates.set(a, i, rates.get(a, i) + external.get(a, i));
+            rates.acceleration.axis(a).set(i, rates.acceleration.axis(a).get(i) + external.acceleration.axis(a).get(i));
         }
-        energy.set(2, i, energy.get(2, i) + external.get(3, i));
+        energy.rate.set(i, energy.rate.get(i) + external.power.get(i));
     })
 }
 

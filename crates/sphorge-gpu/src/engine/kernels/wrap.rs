@@ -1,7 +1,7 @@
 //! Wraps particles that have left a periodic cell to its other end.
 
 use super::images::split;
-use crate::engine::columns::{Fields, Group, Recording, recording};
+use crate::engine::columns::{Recording, WriteColumns, groups, recording};
 use crate::record::{Double, Index, KernelFault, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_physics::Real;
@@ -13,10 +13,10 @@ pub(in crate::engine) fn wrap(model: &Model, count: usize) -> Result<Option<Reco
         return Ok(None);
     }
     let kernel = recording("wrap", count, |bind, i| {
-        let place = bind.write(Group::Place);
+        let place = groups::Place::write(bind).position;
         let zero = Recorded::zero();
         for (axis, (low, high)) in model.periodic.iter().enumerate().filter_map(|(a, of)| of.map(|of| (a, of))) {
-            let (far, period) = (Double::new(place.double(axis, 3 + axis, i)), Double::of(high - low));
+            let (far, period) = (place.axis(axis).double(i), Double::of(high - low));
             let from = |at: Double, end: f64| {
                 let [end, rest] = split(end);
                 (at.high - end) + (at.low - rest)
@@ -32,8 +32,7 @@ pub(in crate::engine) fn wrap(model: &Model, count: usize) -> Result<Option<Reco
             };
             let inside = choose(from(at, low), up, at);
             let inside = choose(from(at, high), inside, down);
-            place.set(axis, i, inside.high);
-            place.set(3 + axis, i, inside.low);
+            place.axis(axis).set(i, [inside.high, inside.low]);
         }
     })?;
     Ok(Some(kernel))

@@ -3,7 +3,7 @@
 
 use super::touched::ColumnSet;
 use crate::device::{Array, Card, Launch};
-use crate::engine::columns::{Columns, Fields, Group, NOTHING, Recording, recording};
+use crate::engine::columns::{Columns, Group, NOTHING, Recording, recording};
 use crate::engine::failure;
 use crate::record::{Element, Index, KernelFault, Recorded};
 use sphorge_engine::RunFailure;

@@ -2,10 +2,9 @@
 //! the same on all ranks.
 
 use super::Domain;
-use crate::engine::columns::Group;
+use crate::engine::columns::{Group, Layout, groups};
 use crate::engine::kernels::images::Planes;
-use crate::engine::kernels::kept::LENGTH;
-use crate::engine::snapshot::read;
+use crate::engine::read_back::read;
 use crate::engine::{GpuEngine, failure};
 use sphorge_engine::RunFailure;
 use std::collections::{BTreeSet, HashMap};
@@ -46,7 +45,7 @@ impl GpuEngine {
     /// The lists of this card, column by column; `of` maps the entries of each row.
     fn entries_of(&self, kept: &[f32], number: impl Fn(u32) -> u32) -> Result<Entries, RunFailure> {
         let rows = read(&self.card, &self.columns, Group::Rows)?;
-        let length = |i: usize| rows[LENGTH * self.stride + i] as usize;
+        let length = |i: usize| rows[groups::Rows::layout().length.column() * self.stride + i] as usize;
         let entry = |i: usize, k: usize| {
             let (neighbor, image) = Planes::split(kept[k * self.stride + i].to_bits());
             Planes::join(number(neighbor as u32), image)

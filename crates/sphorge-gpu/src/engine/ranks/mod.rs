@@ -17,11 +17,11 @@ pub(super) mod lifetime;
 mod part;
 pub(super) mod touched;
 
-use super::columns::{Columns, Group};
+use super::columns::{Columns, Group, Layout, groups};
+use super::initial_columns::make_columns;
 use super::kernels::limits::CHUNK;
 use super::kernels::sums::chunk_of;
 use super::stages::Stage;
-use super::start::make_columns;
 use super::{GpuEngine, failure};
 use crate::device::Card;
 use exchange::{Counts, Exchange, Marks};
@@ -350,7 +350,8 @@ impl GpuEngine {
         }
         let places = |group: Group| -> Result<Vec<Vector<f64>>, RunFailure> {
             let numbers = self.group(group)?;
-            Ok((0..self.initial.len()).map(|i| [0, 1, 2].map(|a| numbers.at(a, i) + numbers.at(3 + a, i))).collect())
+            let of = groups::Place::layout().position;
+            Ok((0..self.initial.len()).map(|i| [0, 1, 2].map(|a| numbers.double(of.axis(a), i))).collect())
         };
         let sets = sets(&self.model, || places(Group::Place), || places(Group::Reference))?;
         let cells = cells(&self.model, self.grid_of_facets().edge);
@@ -380,7 +381,7 @@ impl GpuEngine {
         let sends = self.card.indices(&domain.sends()).map_err(failure)?;
         self.columns.insert(Group::Sends, sends);
         if self.model.ghosts_expire() {
-            let place = super::snapshot::read(&self.card, &self.columns, Group::Place)?;
+            let place = super::read_back::read(&self.card, &self.columns, Group::Place)?;
             if let Some(array) = self.columns.array(Group::GhostsAt) {
                 self.card.write(array, &place);
             }

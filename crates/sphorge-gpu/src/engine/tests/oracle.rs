@@ -1,10 +1,10 @@
 //! The ledger of columns read back, in double precision: what that of the card is held against.
 
 use crate::engine::GpuEngine;
-use crate::engine::columns::Group;
+use crate::engine::columns::{Compensated, Group, Layout, Member, groups};
+use crate::engine::kernels::ledger::accounts;
 use crate::engine::kernels::walls::{AtWall, Deformed, of_wall};
-use crate::engine::kernels::{conduction, contact, facets, walls};
-use crate::engine::snapshot::Group64;
+use crate::engine::read_back::Group64;
 use sphorge_engine::model::{Formulation, Wall};
 use sphorge_engine::{BodyLedger, ContactLedger, Energies, HeatLedger, Ledger, Particles, RunFailure, WallLedger};
 use sphorge_physics::hourglass::Spring;
@@ -14,39 +14,40 @@ impl GpuEngine {
     pub(super) fn ledger_read(&self) -> Result<Ledger, RunFailure> {
         let particles = self.snapshot()?;
         let p = &particles;
-        let (pressure, accounts, of_walls) =
+        let (pressure, of_accounts, of_walls) =
             (self.group(Group::Pressure)?, self.group(Group::Accounts)?, self.group(Group::Walls)?);
         let count = p.len();
-        let sum = |of: &Group64, field: usize| -> f64 { (0..count).map(|i| of.double(field, field + 1, i)).sum() };
-        let of_wall = |at: usize| {
-            let [work, friction_work, damping_work] = [0, 2, 4].map(|field| sum(&of_walls, at + field));
+        let sum = |of: &Group64, number: Compensated<()>| -> f64 { (0..count).map(|i| of.double(number, i)).sum() };
+        let of_wall = |wall: usize| {
+            let works = groups::Walls::layout().of(wall).works;
+            let [work, friction_work, damping_work] = [0, 1, 2].map(|k| sum(&of_walls, works.number(k)));
             WallLedger { work, friction_work, damping_work }
         };
         let mut heat = HeatLedger::default();
         if self.model.thermal.conduction {
-            heat.exchanged = sum(&self.group(Group::Heat)?, conduction::EXCHANGED);
+            heat.exchanged = sum(&self.group(Group::Heat)?, groups::Heat::layout().exchanged);
             let boundaries = self.group(Group::Boundaries)?;
-            let supplied = |k: usize| sum(&boundaries, conduction::BOUNDARY * k + conduction::SUPPLIED);
+            let supplied = |k: usize| sum(&boundaries, groups::Boundaries::layout().of(k).supplied);
             heat.supplied = (0..self.model.thermal.boundaries.len()).map(supplied).collect();
         }
         let evaluated = self.group(Group::Evaluated)?;
         let meetings = self.model.has_contact().then(|| self.group(Group::Meetings)).transpose()?;
         let contact_of = |of: &Group64, (a, b): (usize, usize)| {
             // Of a pair of particles each has a half of the works.
-            let halves = |one: usize, other: usize, field: usize| -> f64 {
-                let first = contact::MEETING * other + field;
+            let halves = |one: usize, other: usize, k: usize| -> f64 {
+                let work = groups::Meetings::layout().of(other).works.number(k);
                 let own = (0..count).filter(|i| p.body[*i] as usize == one);
-                own.map(|i| of.double(first, first + 1, i)).sum()
+                own.map(|i| of.double(work, i)).sum()
             };
-            let work = |field| halves(a, b, field) + if a == b { 0.0 } else { halves(b, a, field) };
+            let work = |k| halves(a, b, k) + if a == b { 0.0 } else { halves(b, a, k) };
             let force = |axis: usize| -> f64 {
                 let own = (0..count).filter(|i| a != b && p.body[*i] as usize == a);
-                own.map(|i| of.at(contact::MEETING * b + axis, i)).sum()
+                own.map(|i| of.number(groups::Meetings::layout().of(b).force.axis(axis), i)).sum()
             };
-            let [taken_up, friction_work, damping_work] = contact::WORKS.map(|(field, _)| work(field));
+            let [taken_up, friction_work, damping_work] = [0, 1, 2].map(work);
             let held = |one: usize, other: usize| -> f64 {
                 let own = (0..count).filter(|i| p.body[*i] as usize == one);
-                own.map(|i| of.at(contact::MEETING * other + facets::ENERGY, i)).sum()
+                own.map(|i| of.number(groups::Meetings::layout().of(other).energy, i)).sum()
             };
             let held = held(a, b) + if a == b { 0.0 } else { held(b, a) };
             let (stored_energy, integration_energy) =
@@ -67,7 +68,11 @@ impl GpuEngine {
         for i in 0..p.len() {
             let bulk = p.pressure[i] / (p.density[i] * p.sound_speed[i]);
             let material = &self.model.materials[p.material[i] as usize];
-            let shear = material.elastic_energy(p.deviator[i], pressure.at(2, i), p.density[i]);
+            let shear = material.elastic_energy(
+                p.deviator[i],
+                pressure.number(groups::Pressure::layout().shear_modulus, i),
+                p.density[i],
+            );
             let elastic = shear + 0.5 * bulk * bulk;
             let driven = self.prescribed_acceleration(p.motion[i]);
             let acceleration = [0, 1, 2].map(|a| driven[a].unwrap_or(p.acceleration[i][a]));
@@ -77,14 +82,14 @@ impl GpuEngine {
         let mut total = BodyLedger::total(&bodies);
         bodies.iter_mut().chain([&mut total]).for_each(BodyLedger::close);
         let [work, x, y, z, integration_energy, viscous_energy, artificial_stress_energy, hourglass_energy, mls_energy] =
-            [0, 2, 4, 6, 8, 10, 12, 14, 16].map(|field| sum(&accounts, field));
+            accounts().map(|account| sum(&of_accounts, account));
         Ok(Ledger {
             bodies,
             total,
             external_work: work,
             external_impulse: [x, y, z],
             load_work: 0.0,
-            walls: (0..self.model.walls.len()).map(|k| of_wall(walls::FIELDS * k)).collect(),
+            walls: (0..self.model.walls.len()).map(of_wall).collect(),
             wall_forces: self.model.walls.iter().map(|wall| self.wall_force_read((p, &evaluated), wall)).collect(),
             wall_stored_energies: Vec::new(),
             integration_energy,
@@ -105,10 +110,14 @@ impl GpuEngine {
         let Formulation::TotalLagrangian { hourglass: strength, .. } = self.model.formulation else { return Ok(0.0) };
         let (springs, reference, constants) =
             (self.group(Group::Springs)?, self.group(Group::Reference)?, self.group(Group::Constants)?);
+        let of_springs = groups::Springs::layout();
         let held = |i: usize| {
-            let spring =
-                Spring::new(strength, constants.at(5, i), p.yield_stress[i], p.plastic_strain[i], springs.at(0, i));
-            reference.double(6, 7, i) * spring.energy(springs.at(1, i), self.model.dimensions.into())
+            let young_modulus = constants.number(groups::Constants::layout().young_modulus, i);
+            let least = springs.number(of_springs.least_stretch, i);
+            let spring = Spring::new(strength, young_modulus, p.yield_stress[i], p.plastic_strain[i], least);
+            let misfit = springs.number(of_springs.misfit, i);
+            reference.double(groups::Reference::layout().volume, i)
+                * spring.energy(misfit, self.model.dimensions.into())
         };
         Ok((0..p.len()).map(held).sum())
     }
@@ -138,6 +147,8 @@ impl GpuEngine {
         let then = self.time - (self.dt - self.dt_to_evaluation());
         let shift = [0, 1, 2].map(|a| wall.velocity[a].integral(0.0, then));
         let moving = [0, 1, 2].map(|a| wall.velocity[a].at(then));
+        let evaluated_at = groups::Evaluated::layout().velocity;
+        let velocity = |i: usize| [0, 1, 2].map(|a| evaluated.number(evaluated_at.axis(a), i));
         let mut force = [0.0; 3];
         for i in 0..p.len() {
             let body = &self.model.bodies[p.body[i] as usize];
@@ -149,7 +160,7 @@ impl GpuEngine {
                 Deformed { whole, earlier, velocity_gradient: p.velocity_gradient[i] }
             });
             let own = AtWall { h: body.smoothing_length, spacing: body.spacing, sound_speed, deformed };
-            let push = of_wall(wall, &own, x, [0, 1, 2].map(|a| evaluated.at(a, i)), moving, self.dt);
+            let push = of_wall(wall, &own, x, velocity(i), moving, self.dt);
             for a in 0..3 {
                 force[a] += p.mass[i] * push.acceleration[a];
             }

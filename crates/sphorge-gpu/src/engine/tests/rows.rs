@@ -5,6 +5,7 @@ use crate::Gpu;
 use crate::device::Profile;
 use crate::engine::GpuEngine;
 use crate::engine::columns::Group;
+use crate::engine::stored_fields::groups_of_particles;
 use crate::tests::card::card;
 use crate::tests::contact::{OVERLAP, striking};
 use crate::tests::engine::IRON;
@@ -50,9 +51,9 @@ fn ask_for_a_row(engine: &GpuEngine, with_checks: bool) {
 
 /// Bytes of all columns that rows were made of when they were evaluated by the processor.
 fn bytes_of_columns(engine: &GpuEngine) -> u64 {
-    let of_particles = crate::engine::snapshot::GROUPS_OF_PARTICLES.iter();
+    let of_particles = groups_of_particles();
     let beside = [Group::Pressure, Group::Accounts, Group::Walls, Group::Evaluated, Group::Heat, Group::Meetings];
-    let all = of_particles.chain(&beside).filter(|group| **group != Group::Constants);
+    let all = of_particles.iter().chain(&beside).filter(|group| **group != Group::Constants);
     all.filter_map(|group| engine.columns.array(*group)).map(|array| 4 * array.count() as u64).sum()
 }
 
