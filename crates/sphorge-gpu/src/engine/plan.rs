@@ -6,7 +6,7 @@ use super::kernels::section::Through;
 use super::kernels::stress::StressOf;
 use super::kernels::sums::Portions;
 use super::kernels::{
-    audit, conduction, contact, facets, grid, kept, leapfrog, ledger, limits, moving_least_squares, pairs,
+    audit, conduction, contact, facets, grid, kept, leapfrog, ledger, limits, moving_least_squares, pair_forces, pairs,
     predictor_corrector, reduce, reductions, reference, reference_forces, smoothing, stress, sums, walls, wrap,
 };
 use super::ranks::lifetime::SharedModel;
@@ -379,7 +379,7 @@ impl Planner<'_> {
         let (model, stride) = (self.model, self.rows.stride);
         match model.formulation {
             Formulation::UpdatedLagrangian => {
-                self.add(stage, in_dimension!(model, pairs::forces, model, through, stride));
+                self.add(stage, in_dimension!(model, pair_forces::forces, model, through, stride));
             }
             Formulation::TotalLagrangian { hourglass, .. } => {
                 self.add(stage, in_dimension!(model, reference_forces::forces, model, through, stride));

@@ -14,6 +14,7 @@ pub(super) mod limits;
 mod motion;
 pub(super) mod moving_least_squares;
 mod neighbors;
+pub(super) mod pair_forces;
 pub(super) mod pairs;
 pub(super) mod predictor_corrector;
 pub(super) mod quantities;
