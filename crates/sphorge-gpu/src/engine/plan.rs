@@ -6,8 +6,9 @@ use super::kernels::section::Through;
 use super::kernels::stress::StressOf;
 use super::kernels::sums::Portions;
 use super::kernels::{
-    audit, conduction, contact, facets, grid, kept, leapfrog, ledger, limits, moving_least_squares, pair_forces, pairs,
-    predictor_corrector, reduce, reductions, reference, reference_forces, smoothing, stress, sums, walls, wrap,
+    audit, conduction, contact, facet_forces, facets, grid, kept, leapfrog, ledger, limits, moving_least_squares,
+    pair_forces, pairs, predictor_corrector, reduce, reductions, reference, reference_forces, smoothing, stress, sums,
+    walls, wrap,
 };
 use super::ranks::lifetime::SharedModel;
 use super::search::WAYS_TOGETHER;
@@ -299,7 +300,7 @@ impl Planner<'_> {
             self.add_of_surface(Stage::Push, in_dimension!(model, facets::follow, model, references, stride));
             self.add_sorting(Stage::Push, of_facets, Sorted::WithFacets, Threads::OfSurfaceHere)?;
             if model.contact.has_friction() {
-                let slip = in_dimension!(model, facets::slip, model, of_facets, references, stride);
+                let slip = in_dimension!(model, facet_forces::slip, model, of_facets, references, stride);
                 self.add_of_surface(Stage::Push, slip);
             }
         } else if meets {
@@ -320,7 +321,7 @@ impl Planner<'_> {
         let (model, stride, references) = (self.model, self.rows.stride, self.references);
         let Grids { of_kernels: grid, of_facets } = self.grids;
         if model.has_facets() {
-            let press = in_dimension!(model, facets::press, model, of_facets, through, references, stride);
+            let press = in_dimension!(model, facet_forces::press, model, of_facets, through, references, stride);
             self.add_of_surface(stage, press);
         } else if model.has_contact() {
             let press = in_dimension!(model, contact::press, model, grid, through, references, stride);

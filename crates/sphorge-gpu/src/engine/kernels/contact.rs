@@ -9,13 +9,13 @@ use super::reference::{Apart, Deformations, References};
 use super::section::{Crossing, Through};
 use crate::engine::columns::{
     Binder, CompensatedVector, Group, NOTHING, Read, ReadColumns, ReadRecords, ReadShared, Recording, Records,
-    ValuedMember, WriteColumns, added, groups, recording,
+    ValuedMember, VectorColumns, WriteColumns, added, groups, recording,
 };
 use crate::record::{Index, Indices, KernelFault, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_engine::{ContactLaws, FacetLaws};
 use sphorge_physics::contact::{
-    ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
+    ContactForce, ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
 };
 use sphorge_physics::surface::{FaceShift, different_sides, sides_of_a_sheet, surface_normal};
 use sphorge_physics::tensor::dot;
@@ -202,6 +202,11 @@ impl Bodies {
         })
     }
 
+    /// Velocity of a face relative to its particle, m/s.
+    fn rate(self, of: Index) -> Option<Vector<Recorded>> {
+        self.surfaces.map(|surfaces| surfaces.standing.velocity.get(of))
+    }
+
     fn volume(self, i: Index) -> Recorded {
         self.constants.volume_at_rest.get(i)
     }
@@ -304,6 +309,71 @@ fn overlap_of(overlaps: groups::Overlap<Read>, i: Index) -> Overlap<Recorded> {
     Overlap { overlap: overlaps.overlap.get(i), away: overlaps.away.get(i), weight: overlaps.weight.get(i) }
 }
 
+/// What the forces of a particle are made of.
+struct ContactPairs {
+    bodies: Bodies,
+    overlaps: groups::Overlap<Read>,
+    evaluated: VectorColumns<Read>,
+    i: Index,
+    dt: Recorded,
+    half: Recorded,
+    zero: Recorded,
+    mass: Recorded,
+    volume: Recorded,
+    own: Overlap<Recorded>,
+    velocity: Vector<Recorded>,
+    /// Velocity of the face relative to the particle, m/s.
+    rate: Option<Vector<Recorded>>,
+}
+
+/// The force of a contact pair, and what it follows from.
+struct Pushed {
+    force: ContactForce<Recorded>,
+    friction_share: Recorded,
+    law: ContactLaw<Recorded>,
+    kernel: ContactKernel<Recorded>,
+    overlaps: (Recorded, Recorded),
+    other_volume: Recorded,
+}
+
+impl ContactPairs {
+    fn of(bind: &mut Binder<'_>, bodies: Bodies, i: Index) -> Self {
+        let (overlaps, evaluated, step) =
+            (groups::Overlap::read(bind), groups::Evaluated::read(bind).velocity, groups::Step::shared(bind));
+        let (dt, half, zero) = (step.dt.value(), Recorded::of(0.5), Recorded::zero());
+        let (mass, volume) = (bodies.constants.mass.get(i), bodies.volume(i));
+        let own = overlap_of(overlaps, i);
+        let (velocity, rate) = (evaluated.get(i), bodies.rate(i));
+        Self { bodies, overlaps, evaluated, i, dt, half, zero, mass, volume, own, velocity, rate }
+    }
+
+    fn push(&self, model: &Model, pair: &Pair, j: Index) -> Pushed {
+        let (bodies, own, image) = (self.bodies, &self.own, &pair.image);
+        let other_velocity = image.vector(self.evaluated.get(j));
+        let mut v = [0, 1, 2].map(|a| self.velocity[a] - other_velocity[a]);
+        if let Some((rate, other_rate)) = self.rate.zip(bodies.rate(j)) {
+            let other_rate = image.vector(other_rate);
+            v = [0, 1, 2].map(|a| v[a] + (rate[a] - other_rate[a]));
+        }
+        let mut other = overlap_of(self.overlaps, j);
+        other.away = image.vector(other.away);
+        let (law, friction_share) = bodies.law(self.i, j);
+        let (kernel, other_volume) = (kernel_of(model, pair), bodies.volume(j));
+        let weight = kernel.weight(self.volume, other_volume);
+        let overlaps = (own.overlap, other.overlap);
+        let other_mass = bodies.constants.mass.get(j);
+        let pair = ContactPair {
+            x: pair.x,
+            v,
+            weight,
+            overlaps,
+            direction: [0, 1, 2].map(|a| own.away[a] - other.away[a]),
+            stopping: stopping(self.mass, other_mass, weight, (own.weight, other.weight), self.dt),
+        };
+        Pushed { force: contact_force(&law, &pair), friction_share, law, kernel, overlaps, other_volume }
+    }
+}
+
 /// Second pass: forces and their heat. A force on a face has a moment about the particle, which enters as a stress of
 /// it, so that the work is done at the face.
 ///
@@ -318,49 +388,14 @@ pub(in crate::engine) fn press<const D: usize>(
     recording(&Through::name(through, "press"), count, |bind, thread| {
         let i = bind.indices(Group::Surface).at(thread);
         let bodies = Bodies::of(bind, model, references);
-        let (overlaps, evaluated, step) =
-            (groups::Overlap::read(bind), groups::Evaluated::read(bind).velocity, groups::Step::shared(bind));
-        let (dt, half, zero) = (step.dt.value(), Recorded::of(0.5), Recorded::zero());
-        let (mass, volume) = (bodies.constants.mass.get(i), bodies.volume(i));
-        let own = overlap_of(overlaps, i);
-        // Velocity of the face relative to the particle.
-        let rate = |of: Index| bodies.surfaces.map(|surfaces| surfaces.standing.velocity.get(of));
-        let (v_i, rate_i) = (evaluated.get(i), rate(i));
-        // The force of a contact pair, and the part due to its law.
-        let push = |pair: &Pair, j: Index| {
-            let image = &pair.image;
-            let v_j = image.vector(evaluated.get(j));
-            let mut v = [0, 1, 2].map(|a| v_i[a] - v_j[a]);
-            if let Some((rate_i, rate_j)) = rate_i.zip(rate(j)) {
-                let rate_j = image.vector(rate_j);
-                v = [0, 1, 2].map(|a| v[a] + (rate_i[a] - rate_j[a]));
-            }
-            let mut other = overlap_of(overlaps, j);
-            other.away = image.vector(other.away);
-            let (law, friction_share) = bodies.law(i, j);
-            let (kernel, other_volume) = (kernel_of(model, pair), bodies.volume(j));
-            let weight = kernel.weight(volume, other_volume);
-            let overlaps = (own.overlap, other.overlap);
-            let other_mass = bodies.constants.mass.get(j);
-            let force = contact_force(
-                &law,
-                &ContactPair {
-                    x: pair.x,
-                    v,
-                    weight,
-                    overlaps,
-                    direction: [0, 1, 2].map(|a| own.away[a] - other.away[a]),
-                    stopping: stopping(mass, other_mass, weight, (own.weight, other.weight), dt),
-                },
-            );
-            (force, friction_share, law, kernel, overlaps, other_volume)
-        };
+        let pairs = ContactPairs::of(bind, bodies, i);
+        let ContactPairs { half, zero, mass, volume, own, rate: rate_i, .. } = pairs;
         if let Some(through) = through {
             let place = bodies.surfaces.map_or(bodies.place, |_| groups::Place::read(bind).position);
             let crossing = Crossing::of(bind, model, through, i, place);
             let sum =
                 bodies.over_pressing::<_, D>(bind, model, grid, i, [zero; 3], |sum: Vector<Recorded>, pair, j| {
-                    crossing.add(sum, &pair.image, j, || push(pair, j).0.force, |force| *force)
+                    crossing.add(sum, &pair.image, j, || pairs.push(model, pair, j).force.force, |force| *force)
                 });
             crossing.set(sum, true);
             return;
@@ -373,7 +408,7 @@ pub(in crate::engine) fn press<const D: usize>(
         });
         let start = Pressed { sums: [zero; 6], stiffness: ContactStiffness::none() };
         let all = bodies.over_pressing::<_, D>(bind, model, grid, i, start, |mut state: Pressed, pair, j| {
-            let (force, friction_share, law, kernel, overlaps, other_volume) = push(pair, j);
+            let Pushed { force, friction_share, law, kernel, overlaps, other_volume } = pairs.push(model, pair, j);
             let (heat, friction) = force.own_heat(friction_share);
             let sums = &mut state.sums;
             for (sum, part) in sums[..5].iter_mut().zip(force.force.into_iter().chain([heat, friction])) {

@@ -3,6 +3,8 @@
 pub(super) mod audit;
 pub(super) mod conduction;
 pub(super) mod contact;
+pub(super) mod facet_forces;
+mod facet_pairs;
 pub(super) mod facets;
 pub(super) mod grid;
 pub(super) mod images;
