@@ -1,4 +1,4 @@
-//! Recorded kernels executed one thread after the other, in memory: what a card has to do.
+//! Recorded kernels executed one thread after the other, in memory: what a GPU has to do.
 
 use crate::record::{Binary, Kernel, Operation, Statement, Unary, Value};
 use std::collections::HashMap;

@@ -1,4 +1,4 @@
-//! The laws on graphics cards.
+//! The laws on GPUs.
 //!
 //! A formula has one text, that of `sphorge-physics`, generic over its number. On a processor the number is `f64` or a SIMD vector; here it
 //! is [`record::Recorded`], which writes down what is done with it. The kernels of this crate gather what a law needs, call it, and

@@ -1,4 +1,4 @@
-//! A card that is open: its memory, kernels compiled for it, and launches.
+//! A GPU that is open: its memory, kernels compiled for it, and launches.
 
 use super::found::{Candidate, candidates, choose};
 use super::graphics::{self, Graphics};
@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A card that is open.
+/// A GPU that is open.
 #[derive(Debug)]
 pub struct Card {
     found: Found,
@@ -22,14 +22,14 @@ pub struct Card {
     counts: Mutex<Option<Arc<Array>>>,
 }
 
-/// How a card is reached.
+/// How a GPU is reached.
 #[derive(Debug)]
 enum Way {
     Cuda(cuda::Cuda),
     Graphics(Graphics),
 }
 
-/// A kernel compiled for a card.
+/// A kernel compiled for a GPU.
 #[derive(Clone, Debug)]
 pub struct Program {
     name: String,
@@ -67,7 +67,7 @@ enum Bound {
     Graphics(graphics::Bound),
 }
 
-/// Numbers or whole numbers in the memory of a card.
+/// Numbers or whole numbers in the memory of a GPU.
 #[derive(Debug)]
 pub struct Array {
     buffer: Buffer,
@@ -88,7 +88,7 @@ impl Array {
     }
 }
 
-/// Numbers on their way from a card, which goes on meanwhile.
+/// Numbers on their way from a GPU, which goes on meanwhile.
 #[derive(Debug)]
 pub struct Pending {
     copying: Copying,
@@ -96,9 +96,9 @@ pub struct Pending {
     counted: Option<(Profile, u64)>,
 }
 
-/// Room for numbers that are copied from a card while it goes on, of one array behind the other.
+/// Memory for numbers that are copied from a GPU while it goes on, of one array behind the other.
 #[derive(Debug)]
-pub struct Room {
+pub struct Reservation {
     copying: Copying,
     /// Numbers that there is room for, and those that copies were queued for.
     count: usize,
@@ -112,7 +112,7 @@ enum Copying {
     Graphics(graphics::Copying),
 }
 
-impl Room {
+impl Reservation {
     fn close(mut self) -> Pending {
         match &mut self.copying {
             _ if self.filled == 0 => self.copying = Copying::Nothing,
@@ -128,7 +128,7 @@ impl Pending {
     /// The numbers, when they are there.
     ///
     /// # Errors
-    /// The card does not answer, or something that was asked of it before went wrong.
+    /// The GPU does not answer, or something that was asked of it before went wrong.
     pub fn wait(self) -> Result<Vec<f32>, CardFault> {
         if let Some((profile, place)) = self.counted {
             profile.wait_for(place);
@@ -144,11 +144,11 @@ impl Pending {
 /// Numbers that a thread counts: those it reads and writes, and its arithmetic.
 const COUNTED: usize = 2;
 
-/// What is of one card is used with another.
+/// What is of one GPU is used with another.
 const OTHER_CARD: &str = "it is of another card";
 
 impl Card {
-    /// Opens a card: the first of whose name and interface all words are that are asked for, whatever their case, or the first of all.
+    /// Opens a GPU: the first whose name and interface contain all requested words, in any case, or the first of all.
     ///
     /// # Errors
     /// There is none, or it does not open.
@@ -186,7 +186,7 @@ impl Card {
         if self.profile.is_some() { 4 * COUNTED * threads } else { 0 }
     }
 
-    /// Room for what so many threads count.
+    /// Memory for what so many threads count.
     fn counts(&self, threads: usize) -> Result<Arc<Array>, CardFault> {
         let mut longest = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
         match longest.as_ref().filter(|known| known.count() >= COUNTED * threads) {
@@ -220,10 +220,10 @@ impl Card {
         }
     }
 
-    /// Room for that many elements, all zero.
+    /// Memory for that many elements, all zero.
     ///
     /// # Errors
-    /// There is no room.
+    /// There is not enough memory.
     pub fn zeros(&self, count: usize) -> Result<Array, CardFault> {
         // No binding is empty.
         let bytes = 4 * count.max(1) as u64;
@@ -238,20 +238,20 @@ impl Card {
         Ok(Array { buffer: buffer.map_err(refused)?, count })
     }
 
-    /// Numbers, copied to the card.
+    /// Numbers, copied to the GPU.
     ///
     /// # Errors
-    /// There is no room.
+    /// There is not enough memory.
     pub fn numbers(&self, numbers: &[f32]) -> Result<Array, CardFault> {
         let array = self.zeros(numbers.len())?;
         self.write_bytes(&array, bytemuck::cast_slice(numbers));
         Ok(array)
     }
 
-    /// Whole numbers, copied to the card.
+    /// Whole numbers, copied to the GPU.
     ///
     /// # Errors
-    /// There is no room.
+    /// There is not enough memory.
     pub fn indices(&self, indices: &[u32]) -> Result<Array, CardFault> {
         let array = self.zeros(indices.len())?;
         self.write_bytes(&array, bytemuck::cast_slice(indices));
@@ -305,7 +305,7 @@ impl Card {
         Ok(compiled)
     }
 
-    /// Compiles kernels side by side, so that each is there when it is asked for. What fails is told then.
+    /// Compiles kernels side by side, so that each is there when it is asked for. What fails is reported then.
     pub fn compile_ahead(&self, kernels: &[&Kernel]) {
         let threads = std::thread::available_parallelism().map_or(1, usize::from).min(kernels.len());
         let next = AtomicUsize::new(0);
@@ -323,7 +323,7 @@ impl Card {
     /// Binds a kernel to its buffers, in their order, for launches of that many threads.
     ///
     /// # Errors
-    /// There is no room for the arguments, or the buffers are not those of the kernel.
+    /// There is not enough memory for the arguments, or the buffers are not those of the kernel.
     pub fn bind(&self, program: &Program, arrays: &[&Array], threads: u32) -> Result<Launch, CardFault> {
         let refused = |why| CardFault::Kernel { kernel: program.name.clone(), why };
         let bound = self.bound(&program.compiled, arrays, threads).map_err(refused)?;
@@ -369,7 +369,7 @@ impl Card {
                 profile.count(&launch.name, numbers, operations);
                 continue;
             }
-            // What goes wrong is told when something is read.
+            // What goes wrong is reported by the next read.
             if let Ok(seconds) = self.time([launch]) {
                 profile.add(&launch.name, seconds);
             }
@@ -390,10 +390,10 @@ impl Card {
         }
     }
 
-    /// Seconds that launches take, waited for: by the clock of the card with CUDA, else by that of the processor, which counts the wait as well.
+    /// Seconds that launches take, waited for: by the clock of the GPU with CUDA, else by that of the processor, which counts the wait as well.
     ///
     /// # Errors
-    /// The card does not answer.
+    /// The GPU does not answer.
     pub fn time<'a>(&self, launches: impl IntoIterator<Item = &'a Launch>) -> Result<f64, CardFault> {
         let bounds = launches.into_iter().map(|launch| &launch.bound);
         match &self.way {
@@ -408,66 +408,66 @@ impl Card {
         }
     }
 
-    /// Room for so many numbers that are copied back while the card goes on; none where there is no page-locked memory for it.
+    /// Memory for so many numbers that are copied back while the GPU goes on; none where there is no page-locked memory for it.
     ///
     /// # Errors
-    /// The card does not answer.
-    pub fn room(&self, count: usize) -> Result<Option<Room>, CardFault> {
+    /// The GPU does not answer.
+    pub fn reserve(&self, count: usize) -> Result<Option<Reservation>, CardFault> {
         let copying = match &self.way {
             _ if count == 0 => Copying::Nothing,
-            Way::Cuda(cuda) => match cuda.room(count)? {
+            Way::Cuda(cuda) => match cuda.reserve(count)? {
                 Some(copying) => Copying::Cuda(copying),
                 None => return Ok(None),
             },
-            Way::Graphics(graphics) => Copying::Graphics(graphics.room(count)),
+            Way::Graphics(graphics) => Copying::Graphics(graphics.reserve(count)),
         };
-        Ok(Some(Room { copying, count, filled: 0 }))
+        Ok(Some(Reservation { copying, count, filled: 0 }))
     }
 
     /// Queues a copy of the first numbers of an array behind everything that was launched. They come behind those that were added before.
     ///
     /// # Errors
-    /// There is no room for them, or the array is of another card.
-    pub fn add(&self, room: &mut Room, array: &Array, count: usize) -> Result<(), CardFault> {
+    /// There is not enough memory for them, or the array is of another GPU.
+    pub fn add(&self, reservation: &mut Reservation, array: &Array, count: usize) -> Result<(), CardFault> {
         if count == 0 {
             return Ok(());
         }
         let refused = |why: &str| CardFault::Lost { name: self.found.name.clone(), why: why.to_owned() };
-        if count > array.count.min(room.count - room.filled) {
+        if count > array.count.min(reservation.count - reservation.filled) {
             return Err(refused("more numbers are copied than there is room for"));
         }
-        match (&mut room.copying, &array.buffer) {
+        match (&mut reservation.copying, &array.buffer) {
             (Copying::Cuda(copying), Buffer::Cuda(block)) => copying.add(block, count),
             (Copying::Graphics(copying), Buffer::Graphics(buffer)) => copying.add(buffer, count),
             _ => return Err(refused(OTHER_CARD)),
         }
-        room.filled += count;
+        reservation.filled += count;
         Ok(())
     }
 
     /// What was added to a room, on its way.
-    pub fn pending(&self, room: Room) -> Pending {
+    pub fn pending(&self, reservation: Reservation) -> Pending {
         let of_all = |profile: &Profile| {
-            profile.add_read(4 * room.filled as u64);
+            profile.add_read(4 * reservation.filled as u64);
             (profile.clone(), profile.queue_copy())
         };
-        Pending { counted: self.profile.as_ref().map(of_all), ..room.close() }
+        Pending { counted: self.profile.as_ref().map(of_all), ..reservation.close() }
     }
 
     /// Queues a copy of numbers behind everything that was launched, and goes on; none where there is no page-locked memory for it. It is not counted.
     ///
     /// # Errors
-    /// The card does not answer.
+    /// The GPU does not answer.
     pub fn queue_read(&self, array: &Array) -> Result<Option<Pending>, CardFault> {
-        let Some(mut room) = self.room(array.count)? else { return Ok(None) };
-        self.add(&mut room, array, array.count)?;
-        Ok(Some(room.close()))
+        let Some(mut reservation) = self.reserve(array.count)? else { return Ok(None) };
+        self.add(&mut reservation, array, array.count)?;
+        Ok(Some(reservation.close()))
     }
 
     /// Copies numbers back, after everything that was launched.
     ///
     /// # Errors
-    /// The card does not answer, or something that was asked of it before went wrong.
+    /// The GPU does not answer, or something that was asked of it before went wrong.
     pub fn read(&self, array: &Array) -> Result<Vec<f32>, CardFault> {
         self.read_first(array, array.count)
     }
@@ -499,7 +499,7 @@ impl Card {
 
 #[cfg(test)]
 impl Array {
-    /// Takes the memory of an array away, as a card that is lost does. With CUDA that would end every card of the process.
+    /// Takes the memory of an array away, as a GPU that is lost does. With CUDA that would end every GPU of the process.
     pub(crate) fn destroy(&self) {
         if let Buffer::Graphics(buffer) = &self.buffer {
             buffer.destroy();

@@ -1,9 +1,9 @@
-//! What can go wrong with a card.
+//! What can go wrong with a GPU.
 
-/// What can go wrong with a card.
+/// What can go wrong with a GPU.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CardFault {
-    /// There is no card, or none of that name.
+    /// There is no GPU, or none of that name.
     #[error("{what}")]
     NotFound {
         /// What was looked for.
@@ -14,7 +14,7 @@ pub enum CardFault {
     /// It does not open.
     #[error("{name} cannot be opened: {why}")]
     DoesNotOpen {
-        /// Name of the card.
+        /// Name of the GPU.
         name: String,
         /// What its driver says.
         why: String,
@@ -27,10 +27,10 @@ pub enum CardFault {
         /// What the compiler says.
         why: String,
     },
-    /// There is no room.
+    /// There is not enough memory.
     #[error("{bytes} bytes do not fit in the memory of {name}: {why}")]
     Memory {
-        /// Name of the card.
+        /// Name of the GPU.
         name: String,
         /// What was asked for.
         bytes: u64,
@@ -40,7 +40,7 @@ pub enum CardFault {
     /// It does not answer any more.
     #[error("{name} was lost: {why}")]
     Lost {
-        /// Name of the card.
+        /// Name of the GPU.
         name: String,
         /// What its driver says.
         why: String,

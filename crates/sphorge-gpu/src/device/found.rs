@@ -1,8 +1,8 @@
-//! What cards there are, and what is in the way of others.
+//! What GPUs there are, and what is in the way of others.
 
 use super::{cuda, graphics};
 
-/// Through what a card is reached.
+/// Through what a GPU is reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interface {
     /// NVIDIA's own.
@@ -26,7 +26,7 @@ impl std::fmt::Display for Interface {
     }
 }
 
-/// Memory of a card, bytes.
+/// Memory of a GPU, bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Memory {
     /// All of it.
@@ -35,7 +35,7 @@ pub struct Memory {
     pub free: Option<u64>,
 }
 
-/// A card, or what stands for one.
+/// A GPU, or what stands for one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
     /// As its driver calls it.
@@ -65,7 +65,7 @@ impl Found {
     }
 }
 
-/// Why no card is reached through an interface.
+/// Why no GPU is reached through an interface.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Missing {
     /// The interface.
@@ -79,13 +79,13 @@ pub struct Missing {
 /// Everything that was looked for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Survey {
-    /// Every card that is reached, once for each interface, the one that is taken without being asked for first.
+    /// Every GPU that is reached, once for each interface, the one that is taken without being asked for first.
     pub cards: Vec<Found>,
     /// What is in the way of others.
     pub missing: Vec<Missing>,
 }
 
-/// A card that can be opened.
+/// A GPU that can be opened.
 pub(super) enum Candidate {
     Cuda(cuda::Candidate),
     Graphics(Box<wgpu::Adapter>, Found),
@@ -100,7 +100,7 @@ impl Candidate {
     }
 }
 
-/// What can be opened, and what cannot. NVIDIA's cards come first, by their own interface, and what runs on the processor last.
+/// What can be opened, and what cannot. NVIDIA's GPUs come first, by their own interface, and what runs on the processor last.
 pub(super) fn candidates() -> (Vec<Candidate>, Vec<Missing>) {
     let (mut candidates, mut missing) = (Vec::new(), Vec::new());
     match cuda::candidates() {
@@ -119,7 +119,7 @@ pub(super) fn candidates() -> (Vec<Candidate>, Vec<Missing>) {
     (candidates, missing)
 }
 
-/// Why there is no card by the interface of graphics of this system, and nothing that stands for one.
+/// Why there is no GPU by the interface of graphics of this system, and nothing that stands for one.
 fn why_there_is_none() -> String {
     #[cfg(target_os = "linux")]
     return super::vulkan::what_is_missing();
@@ -127,7 +127,7 @@ fn why_there_is_none() -> String {
     "no driver is installed".to_owned()
 }
 
-/// What is in the way of cards by the interface of graphics of this system.
+/// What is in the way of GPUs by the interface of graphics of this system.
 fn missing_graphics<'a>(mut found: impl Iterator<Item = &'a Found>) -> Option<Missing> {
     let mut software = None;
     let is_card = found.any(|card| {
@@ -158,13 +158,13 @@ fn missing_graphics<'a>(mut found: impl Iterator<Item = &'a Found>) -> Option<Mi
     Some(Missing { interface, why, cure: cure.to_owned() })
 }
 
-/// Looks for cards.
+/// Looks for GPUs.
 pub fn find() -> Survey {
     let (candidates, missing) = candidates();
     Survey { cards: candidates.iter().map(|candidate| candidate.found().clone()).collect(), missing }
 }
 
-/// Of cards that are alike to the first, which stands at `first` among all, the place of the one of a number, from the first again where there are fewer.
+/// Of GPUs that are alike to the first, which stands at `first` among all, the place of the one of a number, from the first again where there are fewer.
 fn alike(all: &[&Found], first: usize, number: usize) -> usize {
     let like = |card: &&Found| card.interface == all[first].interface && card.is_software == all[first].is_software;
     let places: Vec<usize> = (first..all.len()).filter(|k| like(&all[*k])).collect();
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn a_card_is_called_by_words_of_its_name_and_its_interface() {
+    fn a_device_matches_words_of_its_name_and_interface() {
         let card = card("NVIDIA H100 80GB HBM3", Interface::Cuda, false);
         for words in ["nvidia", "H100", "cuda", "CUDA h100", "80gb hbm3", ""] {
             assert!(card.is_called(words), "{words}");
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn ranks_take_cards_that_are_alike_in_turn() {
+    fn ranks_take_identical_devices_in_order() {
         let all = [
             card("H200", Interface::Cuda, false),
             card("H200", Interface::Cuda, false),
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn a_software_renderer_alone_is_said_to_be_one_and_a_card_is_not_missed() {
+    fn a_software_renderer_is_used_only_without_a_device() {
         let software = card("llvmpipe", Interface::Vulkan, true);
         let missing = missing_graphics([&software].into_iter()).unwrap();
         assert!(missing.why.contains("llvmpipe") && missing.why.contains("software"), "{missing:?}");

@@ -1,6 +1,6 @@
-//! Cards that Vulkan, Metal and Direct3D 12 reach, through wgpu.
+//! GPUs that Vulkan, Metal and Direct3D 12 reach, through wgpu.
 
-use super::trouble::Trouble;
+use super::deferred_error::DeferredError;
 use super::{CardFault, Found, Interface};
 use crate::record::{Access, Kernel};
 use crate::source::WORKGROUP;
@@ -11,21 +11,21 @@ use wgpu::{
     ShaderStages,
 };
 
-/// Workgroups of a row of a launch; no card allows fewer.
+/// Workgroups of a row of a launch; no GPU allows fewer.
 const ROW: u32 = 65_535;
 
-/// A card that is open.
+/// A GPU that is open.
 #[derive(Debug)]
 pub(super) struct Graphics {
     name: String,
     largest_buffer: u64,
     device: wgpu::Device,
     queue: wgpu::Queue,
-    /// The first thing that went wrong with a launch, a copy or the card itself. They are told when they are waited for.
-    trouble: Trouble,
+    /// The first thing that went wrong with a launch, a copy or the GPU itself. They are reported by the next wait.
+    deferred_error: DeferredError,
 }
 
-/// A kernel compiled for a card.
+/// A kernel compiled for a GPU.
 #[derive(Clone, Debug)]
 pub(super) struct Pipeline {
     pipeline: wgpu::ComputePipeline,
@@ -41,7 +41,7 @@ pub(super) struct Bound {
     groups: [u32; 2],
 }
 
-/// Adapters, cards before what stands for one.
+/// Adapters, GPUs before what stands for one.
 ///
 /// They are looked for once, and what they belong to stays until the process ends: drivers that are loaded and unloaded on several threads
 /// at a time crash (NVIDIA's 580.159).
@@ -88,11 +88,11 @@ impl Graphics {
         let descriptor = wgpu::DeviceDescriptor { required_limits: adapter.limits(), ..Default::default() };
         match pollster::block_on(adapter.request_device(&descriptor)) {
             Ok((device, queue)) => {
-                let trouble = Trouble::default();
-                let (of_commands, of_device) = (trouble.clone(), trouble.clone());
+                let deferred_error = DeferredError::default();
+                let (of_commands, of_device) = (deferred_error.clone(), deferred_error.clone());
                 device.on_uncaptured_error(std::sync::Arc::new(move |error| of_commands.keep(error.to_string())));
                 device.set_device_lost_callback(move |_, why| of_device.keep(why));
-                Ok(Self { name, largest_buffer, device, queue, trouble })
+                Ok(Self { name, largest_buffer, device, queue, deferred_error })
             }
             Err(why) => Err(CardFault::DoesNotOpen { name, why: why.to_string() }),
         }
@@ -207,14 +207,14 @@ impl Graphics {
     }
 
     pub(super) fn read(&self, buffer: &wgpu::Buffer, count: usize) -> Result<Vec<f32>, CardFault> {
-        let mut copying = self.room(count);
+        let mut copying = self.reserve(count);
         copying.add(buffer, count);
         copying.close();
         copying.wait()
     }
 
-    /// Room for so many numbers that are copied back while the card goes on.
-    pub(super) fn room(&self, count: usize) -> Copying {
+    /// Memory for so many numbers that are copied back while the GPU goes on.
+    pub(super) fn reserve(&self, count: usize) -> Copying {
         let copy = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
             size: 4 * count as u64,
@@ -222,7 +222,7 @@ impl Graphics {
             mapped_at_creation: false,
         });
         let (name, device, queue) = (self.name.clone(), self.device.clone(), self.queue.clone());
-        Copying { name, device, queue, trouble: self.trouble.clone(), copy, filled: 0, mapped: None }
+        Copying { name, device, queue, deferred_error: self.deferred_error.clone(), copy, filled: 0, mapped: None }
     }
 
     fn lost(&self, why: &dyn std::fmt::Display) -> CardFault {
@@ -230,13 +230,13 @@ impl Graphics {
     }
 }
 
-/// Numbers on their way from a card, of one array behind the other.
+/// Numbers on their way from a GPU, of one array behind the other.
 #[derive(Debug)]
 pub(super) struct Copying {
     name: String,
     device: wgpu::Device,
     queue: wgpu::Queue,
-    trouble: Trouble,
+    deferred_error: DeferredError,
     copy: wgpu::Buffer,
     /// Bytes that copies were queued for.
     filled: u64,
@@ -264,7 +264,7 @@ impl Copying {
     pub(super) fn close(&mut self) {
         let (sender, receiver) = std::sync::mpsc::channel();
         self.copy.slice(..self.filled).map_async(wgpu::MapMode::Read, move |result| {
-            // Nobody waits any more where the card was lost.
+            // Nobody waits any more where the GPU was lost.
             let _ = sender.send(result);
         });
         self.mapped = Some(Mapped { receiver, submitted: self.queue.submit([]) });
@@ -277,7 +277,7 @@ impl Copying {
         let poll = wgpu::PollType::Wait { submission_index: Some(submitted), timeout: None };
         self.device.poll(poll).map_err(|why| lost(&why))?;
         receiver.recv().map_err(|why| lost(&why))?.map_err(|why| lost(&why))?;
-        if let Some(why) = self.trouble.first() {
+        if let Some(why) = self.deferred_error.first() {
             return Err(lost(&why));
         }
         let view = self.copy.slice(..self.filled).get_mapped_range().map_err(|why| lost(&why))?;

@@ -1,17 +1,17 @@
-//! Cards that CUDA, Vulkan, Metal and Direct3D 12 reach: what there is, kernels compiled for one, and their launches.
+//! GPUs that CUDA, Vulkan, Metal and Direct3D 12 reach: what there is, kernels compiled for one, and their launches.
 
 mod card;
 mod cuda;
+mod deferred_error;
 mod fault;
 mod found;
 mod graphics;
 mod profile;
-mod trouble;
 #[cfg(target_os = "linux")]
 mod vulkan;
 mod yardstick;
 
-pub use card::{Array, Card, Launch, Pending, Program, Room};
+pub use card::{Array, Card, Launch, Pending, Program, Reservation};
 pub use cuda::NVRTC_FOLDER;
 pub use fault::CardFault;
 pub use found::{Found, Interface, Memory, Missing, Survey, find};

@@ -61,7 +61,7 @@ impl Profile {
         self.read_back.bytes.load(Ordering::Relaxed)
     }
 
-    /// How often the card was waited for to have them. Copies that were queued before another that was waited for are there already.
+    /// How often the GPU was waited for to have them. Copies that were queued before another that was waited for are there already.
     pub fn waits(&self) -> u64 {
         self.read_back.waits.load(Ordering::Relaxed)
     }

@@ -1,4 +1,4 @@
-//! Why Vulkan reaches no card: its loader says nothing to a program, so its steps are repeated and the first that fails is told.
+//! Why Vulkan reaches no GPU: its loader says nothing to a program, so its steps are repeated and the first that fails is reported.
 
 use libloading::Library;
 use std::error::Error;
@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_driver_that_cannot_be_loaded_is_told_with_what_it_lacks() {
+    fn a_driver_that_cannot_be_loaded_is_reported_with_the_missing_library() {
         let folder = std::env::temp_dir().join(format!("sphorge-vulkan-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let of = |places: &[PathBuf]| what_is_wrong_with(places, "nowhere");

@@ -1,10 +1,10 @@
-//! What a card can do at most, measured on the spot.
+//! What a GPU can do at most, measured on the spot.
 
 use super::{Card, CardFault};
 use crate::record::{Index, Kernel, KernelFault, Recorded};
 use sphorge_physics::Real;
 
-/// What a card can do at most.
+/// What a GPU can do at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Yardstick {
     /// Bytes that a copy reads and writes in a second.
@@ -19,7 +19,7 @@ pub struct Yardstick {
 const LONG_ENOUGH: f64 = 0.02;
 /// Numbers of the largest.
 const MOST: usize = 1 << 26;
-/// Numbers that a thread copies: with one each a card spends its time on starting threads. Threads beside each other, as many as a card executes
+/// Numbers that a thread copies: with one each a GPU spends its time on starting threads. Threads beside each other, as many as a GPU executes
 /// together, read numbers beside each other.
 const COPIED: usize = 16;
 const TOGETHER: usize = 32;

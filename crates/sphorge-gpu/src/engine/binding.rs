@@ -13,8 +13,8 @@ use sphorge_engine::RunFailure;
 impl GpuEngine {
     /// The kernels of the step, compiled.
     pub(super) fn plan_of(&self, references: References) -> Result<Plan, RunFailure> {
-        let portions = self.segments.portions();
-        let rows = Rows { stride: self.stride, are_shared: self.domain.is_some(), portions };
+        let partition = self.segments.partition();
+        let rows = Rows { stride: self.stride, are_shared: self.domain.is_some(), partition };
         let grids = Grids { of_kernels: &self.grid, of_facets: &self.grid_of_facets() };
         let plan = Plan::of(&self.model, &self.initial, rows, grids, references).map_err(failure)?;
         self.card.compile_ahead(&plan.all().map(|recording| &recording.kernel).collect::<Vec<_>>());

@@ -1,4 +1,4 @@
-//! Fields of all particles that are copied from a card while its engine continues.
+//! Fields of all particles that are copied from a GPU while its engine continues.
 
 use super::columns::Group;
 use super::snapshot::ColumnReader;
@@ -27,7 +27,7 @@ impl GpuEngine {
     }
 }
 
-/// Fields of all particles in flight from a card that continues meanwhile.
+/// Fields of all particles in flight from a GPU that continues meanwhile.
 pub(super) struct DetachedColumns {
     count: usize,
     /// The groups, until particles are made from them.

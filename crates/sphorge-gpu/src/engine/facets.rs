@@ -73,7 +73,7 @@ impl GpuEngine {
         }
         self.rebind()?;
         if edge > self.grid.edge && self.domain.is_some() {
-            // Those of other cards may reach as far.
+            // Those of other GPUs may reach as far.
             self.choose_ghosts()?;
             self.make_lists_anew()?;
         }
@@ -90,7 +90,7 @@ impl GpuEngine {
         self.widen_cells_to(SPARE * 2.0 * farthest)
     }
 
-    /// Copies the facets of the particles and ghosts of this card there, and who has any; kernels are to be bound again.
+    /// Copies the facets of the particles and ghosts of this GPU there, and who has any; kernels are to be bound again.
     pub(super) fn write_facets(&mut self) -> Result<(), RunFailure> {
         let Some(facets) = &self.facets else { return Ok(()) };
         let p = &self.initial;

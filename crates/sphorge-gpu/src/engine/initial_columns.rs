@@ -1,11 +1,11 @@
-//! The columns of particles as they are at the start, in the memory of a card.
+//! The columns of particles as they are at the start, in the memory of a GPU.
 
 use super::columns::groups::{self, made_with_particles};
 use super::columns::{
     Columns, Compensated, CompensatedTensor, CompensatedVector, Group, Handles, Layout, Number, VectorColumns,
 };
 use super::kernels::grid::{self, Grid};
-use super::kernels::{conduction, contact, kept, limits, reduce};
+use super::kernels::{conduction, contact, limits, reduce, verlet};
 use super::plan::members;
 use super::ranks::lifetime::SharedModel;
 use super::step_numbers;
@@ -28,13 +28,13 @@ fn fill(stride: usize, fields: usize, count: usize, number: impl Fn(usize, usize
     numbers
 }
 
-/// Numbers on the card; if all are zero, none are copied there.
+/// Numbers on the GPU; if all are zero, none are copied there.
 fn brought(card: &Card, numbers: &[f32]) -> Result<Array, CardFault> {
     let is_zero = |numbers: &[f32]| numbers.iter().all(|number| number.to_bits() == 0);
     if numbers.par_chunks(1 << 16).all(is_zero) { card.zeros(numbers.len()) } else { card.numbers(numbers) }
 }
 
-/// A number, or its rest in single precision.
+/// A number, or its low part in single precision.
 pub(super) fn part(number: f64, rest: bool) -> f64 {
     let high = f64::from(number as f32);
     if rest { number - high } else { high }
@@ -198,7 +198,7 @@ pub(super) fn make_columns(
         maker.zeros::<groups::GhostsAt<()>>()?;
     }
     if model.keeps_lists() || is_shared {
-        maker.reduced(Group::Ways, kept::WAYS)?;
+        maker.reduced(Group::Ways, verlet::WAYS)?;
     }
     Ok(maker.columns)
 }

@@ -1,4 +1,4 @@
-//! The kernels of a model as texts in the languages of cards.
+//! The kernels of a model as texts in the languages of GPUs.
 
 use super::columns::Recording;
 use super::kernels::limits;
@@ -11,7 +11,7 @@ use super::start::grid_of;
 use crate::record::KernelFault;
 use sphorge_engine::{Model, Particles};
 
-/// The source of a kernel of the step in the languages of cards.
+/// The source of a kernel of the step in the languages of GPUs.
 #[derive(Clone, Debug)]
 pub struct KernelText {
     /// Its name.
@@ -25,11 +25,11 @@ pub struct KernelText {
 /// Every kernel of the step of a model that [`super::Gpu`] supports.
 ///
 /// # Errors
-/// A law cannot be translated for a card.
+/// A law cannot be translated for a GPU.
 pub fn kernel_texts(model: &Model, particles: &Particles) -> Result<Vec<KernelText>, KernelFault> {
     let stride = particles.len().div_ceil(limits::CHUNK) * limits::CHUNK;
-    let portions = Segments::of(model, particles, particles.len()).portions();
-    let rows = Rows { stride, are_shared: false, portions };
+    let partition = Segments::of(model, particles, particles.len()).partition();
+    let rows = Rows { stride, are_shared: false, partition };
     let grid = grid_of(model, particles);
     let of = |references| Plan::of(model, particles, rows, Grids::one(&grid), references);
     let text = |recording: &Recording| KernelText {
@@ -42,7 +42,7 @@ pub fn kernel_texts(model: &Model, particles: &Particles) -> Result<Vec<KernelTe
     };
     let mut texts = of_plan(&of(References::Initial)?);
     if model.formulation.renews() {
-        // Kernels that change once a body has come apart.
+        // Kernels that change once a body has separated.
         for mut other in of_plan(&of(References::Renewed)?) {
             if !texts.iter().any(|known| known.cuda == other.cuda) {
                 other.name += "_renewed";
@@ -60,15 +60,15 @@ pub fn kernel_texts(model: &Model, particles: &Particles) -> Result<Vec<KernelTe
     Ok(texts)
 }
 
-/// Visits the kernels of a model whose particles are shared by several cards, and the kernels of the halo exchange.
+/// Visits the kernels of a model whose particles are shared by several GPUs, and the kernels of the halo exchange.
 fn each_kernel_of_ranks(
     model: &Model,
     p: &Particles,
     stride: usize,
     visit: &mut dyn FnMut(&Recording),
 ) -> Result<(), KernelFault> {
-    let portions = Segments::of(model, p, p.len()).portions();
-    let rows = Rows { stride, are_shared: true, portions };
+    let partition = Segments::of(model, p, p.len()).partition();
+    let rows = Rows { stride, are_shared: true, partition };
     let plan = Plan::of(model, p, rows, Grids::one(&grid_of(model, p)), References::Initial)?;
     let mut gathered = ColumnSet::new();
     for recording in plan.all() {

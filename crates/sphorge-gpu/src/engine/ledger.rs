@@ -1,4 +1,4 @@
-//! Conservation sums, taken on the card when asked for.
+//! Conservation sums, taken on the GPU when asked for.
 
 use super::columns::Group;
 use super::kernels::ledger::{
@@ -14,7 +14,7 @@ use crate::device::Array;
 use sphorge_engine::reduction::Turns;
 use sphorge_engine::{BodyLedger, ContactLedger, Energies, HeatLedger, Ledger, Model, RunFailure, WallLedger};
 
-/// Sums over the segments of each body and motion: those of the card, and then the mass.
+/// Sums over the segments of each body and motion: those of the GPU, and then the mass.
 struct Table<'a> {
     model: &'a Model,
     of: LedgerSums,
@@ -136,7 +136,7 @@ impl<'a> Table<'a> {
             total,
             external_work: work,
             external_impulse: [x, y, z],
-            // Cards take no loads of a program.
+            // GPUs take no loads of a program.
             load_work: 0.0,
             walls: walls.clone().map(|wall| self.wall(wall)).collect(),
             wall_forces: walls.map(wall_force).collect(),

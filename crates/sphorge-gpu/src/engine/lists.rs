@@ -1,4 +1,4 @@
-//! The neighbour lists of the reference configuration, built on the card at the start and when it is renewed.
+//! The neighbour lists of the reference configuration, built on the GPU at the start and when it is renewed.
 
 use super::columns::{Group, Layout, groups};
 use super::read_back::read;
@@ -34,8 +34,8 @@ impl GpuEngine {
         let of_starts = self.columns.array(Group::ListStarts).ok_or_else(|| failure("no lists"))?;
         self.card.write_indices(of_starts, &starts);
         if self.columns.array(Group::List).is_none_or(|list| list.count() < total) {
-            let room = total + (spare * total as f64) as usize;
-            self.columns.insert(Group::List, self.card.zeros(room).map_err(failure)?);
+            let capacity = total + (spare * total as f64) as usize;
+            self.columns.insert(Group::List, self.card.zeros(capacity).map_err(failure)?);
             self.rebind()?;
         }
         self.launch(Stage::FillLists)

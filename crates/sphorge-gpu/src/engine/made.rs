@@ -11,7 +11,7 @@ use sphorge_engine::{Model, RunFailure};
 /// and where it is.
 const TALLY: usize = 7;
 
-/// Sums of every segment, as they were read back: of each segment a number and its rest, sum after sum.
+/// Sums of every segment, as they were read back: of each segment a number and its low part, sum after sum.
 #[derive(Clone, Copy)]
 pub(super) struct SegmentSums<'a> {
     pub(super) model: &'a Model,

@@ -1,6 +1,6 @@
-//! The engine for graphics cards: the whole step on the card.
+//! The engine for GPUs: the whole step on the GPU.
 //!
-//! Columns stay in the memory of the card. After each step only the limits of the next one are copied back, and other
+//! Columns stay in the memory of the GPU. After each step only the limits of the next one are copied back, and other
 //! data on request. Numbers are in single precision. Those that a step adds to (positions, velocities, densities,
 //! energies, strains) keep the rounding error in a second number, which gives them about double precision.
 
@@ -15,13 +15,13 @@ mod kernels;
 mod ledger;
 mod lists;
 mod made;
+mod memory;
 mod plan;
 mod queued;
 mod ranks;
 mod read_back;
 mod reductions;
 mod renewal;
-mod room;
 mod saved;
 mod search;
 mod sections;
@@ -44,19 +44,19 @@ use facets::Facets;
 use kernels::grid::Grid;
 use plan::Plan;
 use ranks::Domain;
-use search::Kept;
+use search::VerletLists;
 use segments::Segments;
 use sphorge_engine::{Engine, EngineKind, HeatClock, Model, Particles, RunFailure, Unsupported};
 use stages::{Staged, Stages};
 use std::cell::RefCell;
 use std::sync::Arc;
 
-/// The engine for graphics cards, to be started on a model.
+/// The engine for GPUs, to be started on a model.
 #[derive(Clone, Debug, Default)]
 pub struct Gpu {
-    /// Words of the name and the interface of the card; the best card if none are given.
+    /// Words of the name and the interface of the GPU; the best GPU if none are given.
     pub device: Option<String>,
-    /// Index among identical cards, from zero on; it wraps around if there are fewer.
+    /// Index among identical GPUs, from zero on; it wraps around if there are fewer.
     pub number: usize,
     /// Collects the times of kernels: with it, each kernel is synchronised individually.
     pub profile: Option<Profile>,
@@ -88,7 +88,7 @@ mod step_numbers {
     }
 }
 
-/// An engine on a card.
+/// An engine on a GPU.
 struct GpuEngine {
     model: Arc<Model>,
     card: Card,
@@ -98,15 +98,15 @@ struct GpuEngine {
     /// Where bodies meet at facets.
     facets: Option<Facets>,
     stages: Stages<Staged>,
-    kept: Kept,
+    lists: VerletLists,
     /// By body, whether its reference configuration has been renewed.
-    has_come_apart: Vec<bool>,
-    /// The initial particles of this card, in their common order: ids, bodies, masses.
+    has_separated: Vec<bool>,
+    /// The initial particles of this GPU, in their common order: ids, bodies, masses.
     initial: Particles,
     /// The share of this rank, if there are several.
     domain: Option<Domain>,
     /// Loaded lists, until ghosts are chosen; their entries are indices in the common order.
-    loaded_kept: Option<Vec<f32>>,
+    loaded_lists: Option<Vec<f32>>,
     /// Number of surface particles that are not ghosts.
     own_surface: Vec<u32>,
     /// Capacity for particles and ghosts, rounded up to whole chunks: the length of the columns.
@@ -123,7 +123,7 @@ struct GpuEngine {
     heat: Option<HeatClock>,
     /// Lowest temperature, K, with heat conduction.
     coldest: f64,
-    /// Portions that sums are taken of.
+    /// Partition that sums are taken of.
     segments: Arc<Segments>,
     /// Groups that were copied back since the last step.
     read_back: RefCell<Vec<(Group, Arc<Vec<f32>>)>>,
@@ -150,7 +150,7 @@ impl EngineKind for Gpu {
     }
 }
 
-/// A card that returns wrong results.
+/// A GPU that returns wrong results.
 fn failure(fault: impl std::fmt::Display) -> RunFailure {
     RunFailure::of_engine(fault.to_string())
 }

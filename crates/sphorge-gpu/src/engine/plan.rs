@@ -4,14 +4,14 @@ use super::columns::{Group, Layout, Recording, groups};
 use super::kernels::reference::References;
 use super::kernels::section::Through;
 use super::kernels::stress::StressOf;
-use super::kernels::sums::Portions;
+use super::kernels::sums::Partition;
 use super::kernels::{
-    audit, conduction, contact, facet_forces, facets, grid, kept, leapfrog, ledger, limits, moving_least_squares,
+    audit, conduction, contact, facet_forces, facets, grid, leapfrog, ledger, limits, moving_least_squares,
     pair_forces, pairs, predictor_corrector, reduce, reductions, reference, reference_forces, smoothing, stress, sums,
-    walls, wrap,
+    verlet, walls, wrap,
 };
 use super::ranks::lifetime::SharedModel;
-use super::search::WAYS_TOGETHER;
+use super::search::DISPLACEMENT_REDUCTION;
 use super::stages::{Stage, Stages};
 use crate::record::KernelFault;
 use grid::{Grid, Sorted, SortingThreads};
@@ -24,7 +24,7 @@ use sphorge_physics::Dimension;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Threads {
     Of(usize),
-    /// One per particle and ghost on this card.
+    /// One per particle and ghost on this GPU.
     OfAllHere,
     /// One per surface particle, whose number is known when lists are built; and with ghosts among them.
     OfSurface,
@@ -37,7 +37,7 @@ pub(super) struct Rows {
     pub(super) stride: usize,
     pub(super) are_shared: bool,
     /// The partition of sums.
-    pub(super) portions: Portions,
+    pub(super) partition: Partition,
 }
 
 /// A kernel with the number of its threads.
@@ -61,9 +61,9 @@ fn reduced(passes: Vec<(Recording, usize)>) -> impl Iterator<Item = Planned> {
 }
 
 /// Kernels that compute these sums over segments: those of lanes, and the one that adds the results of the lanes.
-fn summed(kernels: Vec<Recording>, of_lanes: Recording, (portions, sums): (Portions, usize)) -> Vec<Planned> {
-    let of_segments = |kernel| Planned { kernel, threads: Threads::Of(portions.segments * portions.lanes()) };
-    let last = Planned { kernel: of_lanes, threads: Threads::Of(portions.segments * sums) };
+fn summed(kernels: Vec<Recording>, of_lanes: Recording, (partition, sums): (Partition, usize)) -> Vec<Planned> {
+    let of_segments = |kernel| Planned { kernel, threads: Threads::Of(partition.segments * partition.lanes()) };
+    let last = Planned { kernel: of_lanes, threads: Threads::Of(partition.segments * sums) };
     kernels.into_iter().map(of_segments).chain([last]).collect()
 }
 
@@ -125,8 +125,8 @@ impl Plan {
         planner.ledger()?;
         planner.conduct_heat()?;
         planner.limit_step()?;
-        planner.reduce_ways()?;
-        let reductions = reductions::of_deck(model, references, (rows.portions, rows.stride))?;
+        planner.reduce_displacements()?;
+        let reductions = reductions::of_deck(model, references, (rows.partition, rows.stride))?;
         let reductions = reductions.into_iter().map(|kernel| planner.of_particles(kernel)).collect();
         Ok(Self { stages: planner.stages, reductions })
     }
@@ -225,27 +225,30 @@ impl Planner<'_> {
         let is_guarded = rule.is_some_and(|rule| rule.guard.is_some());
         let since = if is_guarded { Group::FoundAt } else { Group::SearchedAt };
         if model.search != Search::EveryStep {
-            self.add_of_parts(Stage::Ways, kept::ways(model, since, count, stride)?);
+            self.add_of_parts(Stage::Displacements, verlet::displacements(model, since, count, stride)?);
         }
         if rule.is_some() && model.periodic.iter().any(Option::is_some) {
-            self.add_of_parts(Stage::Strayed, kept::ways(model, Group::SearchedAt, count, stride)?);
+            self.add_of_parts(
+                Stage::DisplacementsSinceSearch,
+                verlet::displacements(model, Group::SearchedAt, count, stride)?,
+            );
         }
         if let Some(rule) = rule {
-            self.add(Stage::Mark, kept::mark(rule, stride)?);
-            self.add_of_parts(Stage::Mark, kept::count_marked(count, stride)?);
-            let search_marked = in_dimension!(model, kept::search_marked, model, grid, is_guarded, stride);
+            self.add(Stage::Mark, verlet::mark(rule, stride)?);
+            self.add_of_parts(Stage::Mark, verlet::count_marked(count, stride)?);
+            let search_marked = in_dimension!(model, verlet::search_marked, model, grid, is_guarded, stride);
             self.add(Stage::SearchMarked, search_marked);
             if is_guarded {
-                self.add(Stage::SearchMarked, in_dimension!(model, kept::patch, model, grid, stride));
+                self.add(Stage::SearchMarked, in_dimension!(model, verlet::patch, model, grid, stride));
             }
-            self.add_of_parts(Stage::SearchMarked, kept::longest_rows(stride)?);
+            self.add_of_parts(Stage::SearchMarked, verlet::longest_rows(stride)?);
         }
         if is_guarded && !model.corrects_current_gradients() {
             self.add(Stage::CorrectedGradients, pairs::weigh(model, stride)?);
             self.add(Stage::CorrectedGradients, in_dimension!(model, pairs::gradients, model, true, stride));
         }
-        self.add(Stage::Search, in_dimension!(model, kept::search, model, grid, stride));
-        self.add_of_parts(Stage::Search, kept::longest_rows(stride)?);
+        self.add(Stage::Search, in_dimension!(model, verlet::search, model, grid, stride));
+        self.add_of_parts(Stage::Search, verlet::longest_rows(stride)?);
         Ok(())
     }
 
@@ -286,8 +289,8 @@ impl Planner<'_> {
     }
 
     /// Contact positions, and the particles sorted by them.
-    fn stand(&mut self, stage: Stage) -> Result<(), KernelFault> {
-        self.add_of_surface(stage, contact::stand(self.references, self.rows.stride)?);
+    fn contact_positions(&mut self, stage: Stage) -> Result<(), KernelFault> {
+        self.add_of_surface(stage, contact::contact_positions(self.references, self.rows.stride)?);
         self.add_sorting(stage, self.grids.of_kernels, Sorted::Surface, Threads::OfSurfaceHere)
     }
 
@@ -305,7 +308,7 @@ impl Planner<'_> {
             }
         } else if meets {
             if model.has_faces() {
-                self.stand(Stage::Push)?;
+                self.contact_positions(Stage::Push)?;
             }
             let overlap = in_dimension!(model, contact::overlap, model, grid, references, stride);
             self.add_of_surface(Stage::Push, overlap);
@@ -313,19 +316,19 @@ impl Planner<'_> {
         if meets || !self.is_alone() {
             self.add(Stage::Push, walls::push(model, references, stride)?);
         }
-        self.press(Stage::Push, None)
+        self.contact_forces(Stage::Push, None)
     }
 
     /// Forces of the contact, or those through a section.
-    fn press(&mut self, stage: Stage, through: Option<Through<'_>>) -> Result<(), KernelFault> {
+    fn contact_forces(&mut self, stage: Stage, through: Option<Through<'_>>) -> Result<(), KernelFault> {
         let (model, stride, references) = (self.model, self.rows.stride, self.references);
         let Grids { of_kernels: grid, of_facets } = self.grids;
         if model.has_facets() {
-            let press = in_dimension!(model, facet_forces::press, model, of_facets, through, references, stride);
-            self.add_of_surface(stage, press);
+            let forces = in_dimension!(model, facet_forces::forces, model, of_facets, through, references, stride);
+            self.add_of_surface(stage, forces);
         } else if model.has_contact() {
-            let press = in_dimension!(model, contact::press, model, grid, through, references, stride);
-            self.add_of_surface(stage, press);
+            let forces = in_dimension!(model, contact::forces, model, grid, through, references, stride);
+            self.add_of_surface(stage, forces);
         }
         Ok(())
     }
@@ -394,23 +397,23 @@ impl Planner<'_> {
 
     /// The force through a section, and its sum.
     fn section(&mut self, through: Through<'_>) -> Result<(), KernelFault> {
-        let Rows { stride, portions, .. } = self.rows;
+        let Rows { stride, partition, .. } = self.rows;
         let stage = Stage::Section(through.number);
         self.sum_forces(stage, Some(through))?;
-        self.press(stage, Some(through))?;
+        self.contact_forces(stage, Some(through))?;
         let force = groups::Section::layout().force;
         let terms = [0, 1, 2].map(|a| sums::Term::from(force.axis(a)));
-        let sums = sums::of_columns(Group::Section(through.number), &terms, (portions, 0), stride)?;
-        let summed = summed(sums, sums::of_lanes(portions.lanes(), stride)?, (portions, terms.len()));
+        let sums = sums::of_columns(Group::Section(through.number), &terms, (partition, 0), stride)?;
+        let summed = summed(sums, sums::of_lanes(partition.lanes(), stride)?, (partition, terms.len()));
         self.stages.extend(Stage::SectionSums(through.number), summed);
         Ok(())
     }
 
     fn ledger(&mut self) -> Result<(), KernelFault> {
-        let Rows { stride, portions, .. } = self.rows;
-        let (sums, lanes) = ledger::ledger(self.model, self.references, portions, stride)?;
+        let Rows { stride, partition, .. } = self.rows;
+        let (sums, lanes) = ledger::ledger(self.model, self.references, partition, stride)?;
         let count = ledger::LedgerSums::of(self.model).count;
-        self.stages.extend(Stage::Ledger, summed(sums, lanes, (portions, count)));
+        self.stages.extend(Stage::Ledger, summed(sums, lanes, (partition, count)));
         Ok(())
     }
 
@@ -421,7 +424,7 @@ impl Planner<'_> {
         }
         if model.has_facets() && model.conducts_across_contact() {
             // In place of the cells of the contact.
-            self.stand(Stage::SumHeat)?;
+            self.contact_positions(Stage::SumHeat)?;
         }
         for kernel in in_dimension!(model, conduction::sums, model, self.grids.of_kernels, stride) {
             self.add(Stage::SumHeat, kernel);
@@ -444,18 +447,25 @@ impl Planner<'_> {
     }
 
     /// Reduces what stages find in rows of particles about lists and ghosts.
-    fn reduce_ways(&mut self) -> Result<(), KernelFault> {
+    fn reduce_displacements(&mut self) -> Result<(), KernelFault> {
         let (model, are_shared) = (self.model, self.rows.are_shared);
         if are_shared && model.ghosts_expire() {
-            let ways = kept::ways(model, Group::GhostsAt, self.p.len(), self.rows.stride)?;
-            self.add_of_parts(Stage::GhostWays, ways);
+            let displacements = verlet::displacements(model, Group::GhostsAt, self.p.len(), self.rows.stride)?;
+            self.add_of_parts(Stage::GhostDisplacements, displacements);
         }
         if !(model.keeps_lists() || are_shared) {
             return Ok(());
         }
-        let stages = [Stage::GhostWays, Stage::Ways, Stage::Strayed, Stage::Mark, Stage::Search, Stage::SearchMarked];
+        let stages = [
+            Stage::GhostDisplacements,
+            Stage::Displacements,
+            Stage::DisplacementsSinceSearch,
+            Stage::Mark,
+            Stage::Search,
+            Stage::SearchMarked,
+        ];
         for stage in stages.into_iter().filter(|stage| !self.stages.is_empty(*stage)).collect::<Vec<_>>() {
-            let passes = reduce::reduce(Group::Ways, self.parts(), WAYS_TOGETHER)?;
+            let passes = reduce::reduce(Group::Ways, self.parts(), DISPLACEMENT_REDUCTION)?;
             self.stages.extend(stage, reduced(passes));
         }
         Ok(())

@@ -45,15 +45,15 @@ impl GpuEngine {
         let of_worst = OF_WORST * self.model.bodies.len();
         let of_all = |sums: usize| self.segments.numbers_of(sums);
         let most = of_all(LedgerSums::of(&self.model).count) + asked.len() * (of_all(MOST_SUMS) + of_worst);
-        let Some(mut room) = self.card.room(most).map_err(failure)? else { return Ok(None) };
+        let Some(mut reservation) = self.card.reserve(most).map_err(failure)? else { return Ok(None) };
         let sums = self.sums()?;
         let ledger = self.launch_ledger()?;
-        self.card.add(&mut room, sums, ledger.count).map_err(failure)?;
+        self.card.add(&mut reservation, sums, ledger.count).map_err(failure)?;
         let mut answers = Vec::with_capacity(asked.len());
         for reduction in asked {
             let answer = match self.launch_sum(reduction)? {
                 Some(Launched { count, made }) => {
-                    self.card.add(&mut room, sums, count).map_err(failure)?;
+                    self.card.add(&mut reservation, sums, count).map_err(failure)?;
                     Answer::OfNumbers(count, made)
                 }
                 None => Answer::Known(self.evaluated(reduction)?),
@@ -64,7 +64,7 @@ impl GpuEngine {
             model: self.model.clone(),
             segments: self.segments.clone(),
             count: self.initial.len(),
-            numbers: self.card.pending(room),
+            numbers: self.card.pending(reservation),
             ledger,
             asked: answers,
         })))

@@ -27,7 +27,7 @@ impl Group64 {
         self.at(of.column(), i)
     }
 
-    /// A number with its rest.
+    /// A number with its low part.
     pub(super) fn double(&self, of: Compensated<()>, i: usize) -> f64 {
         let [number, rest] = of.columns();
         self.at(number, i) + self.at(rest, i)

@@ -1,4 +1,4 @@
-//! Sums, means, extrema and checks that a deck or a run asks for: on the card where they are sums or extremes of single particles. What looks at particles
+//! Sums, means, extrema and checks that a deck or a run asks for: on the GPU where they are sums or extremes of single particles. What looks at particles
 //! beside each other, and slabs, are evaluated by the processor, of the groups of columns that they need.
 
 use super::columns::Recording;
@@ -34,7 +34,7 @@ impl GpuEngine {
         made.of(self.of_segments(&numbers), self.order())
     }
 
-    /// Launches the sums of a reduction, if the card takes them.
+    /// Launches the sums of a reduction, if the GPU takes them.
     pub(super) fn launch_sum(&self, reduction: &Reduction<'_>) -> Result<Option<Launched>, RunFailure> {
         let nowhere = [0.0; 3];
         match *reduction {
@@ -104,7 +104,7 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// Launches what a reduction makes of each segment of the selected particles, where the card knows the quantity.
+    /// Launches what a reduction makes of each segment of the selected particles, where the GPU knows the quantity.
     fn launch_reduced(
         &self,
         of: &ParticleSelection,
@@ -116,16 +116,16 @@ impl GpuEngine {
             return Ok(None);
         }
         self.give_numbers(&reductions::numbers(&self.model, point, 0, |_| None))?;
-        let (portions, count) = (self.segments.portions(), reduced.count());
+        let (partition, count) = (self.segments.partition(), reduced.count());
         let references = self.references();
         self.launch_reduction(format!("{reduced:?} {of:?}"), || {
-            let lanes = reductions::of_particles(&self.model, reduced, of, references, (portions, self.stride))?;
+            let lanes = reductions::of_particles(&self.model, reduced, of, references, (partition, self.stride))?;
             let together = if reduced.is_sum() {
-                of_lanes(portions.lanes(), self.stride)
+                of_lanes(partition.lanes(), self.stride)
             } else {
-                reductions::largest_of_lanes(portions.lanes(), self.stride)
+                reductions::largest_of_lanes(partition.lanes(), self.stride)
             };
-            Ok(vec![(lanes, portions.segments * portions.lanes()), (together?, portions.segments * count)])
+            Ok(vec![(lanes, partition.segments * partition.lanes()), (together?, partition.segments * count)])
         })?;
         Ok(Some(Launched { count: self.segments.numbers_of(count), made }))
     }
@@ -135,12 +135,12 @@ impl GpuEngine {
         let mut sums = [0.0; 4];
         if let Some(Launched { count, .. }) = self.launch_reduced(of, &Reduced::Centre, [0.0; 3], Made::Ratio)? {
             let numbers = self.first_sums(count)?;
-            self.in_turn(&mut sums, |sums| self.of_segments(&numbers).add(sums))?;
+            self.reduce_in_order(&mut sums, |sums| self.of_segments(&numbers).add(sums))?;
         }
         Ok(line_of_diameter(&self.model, axis, sums))
     }
 
-    /// Launches the value of a particle that the card knows; nothing of one that another process has.
+    /// Launches the value of a particle that the GPU knows; nothing of one that another process has.
     fn launch_value(&self, id: u32, quantity: Quantity<'_>) -> Result<Option<Launched>, RunFailure> {
         if !quantities::is_known(quantity, &self.model) {
             return Ok(None);
@@ -163,13 +163,13 @@ impl GpuEngine {
             }
         };
         self.give_numbers(&reductions::numbers(&self.model, [0.0; 3], 0, against))?;
-        let (portions, bodies) = (self.segments.portions(), self.model.bodies.len());
+        let (partition, bodies) = (self.segments.partition(), self.model.bodies.len());
         self.launch_reduction(format!("{:?}", std::mem::discriminant(&suspicion)), || {
-            let kernels = reductions::suspects(&self.model, suspicion, (portions, self.stride))?;
-            let threads = [portions.segments * portions.lanes(), portions.segments, bodies];
+            let kernels = reductions::suspects(&self.model, suspicion, (partition, self.stride))?;
+            let threads = [partition.segments * partition.lanes(), partition.segments, bodies];
             Ok(kernels.into_iter().zip(threads).collect())
         })?;
-        let [_, count] = reductions::numbers_of_suspects(portions.segments, bodies);
+        let [_, count] = reductions::numbers_of_suspects(partition.segments, bodies);
         Ok(Launched { count, made: Made::Suspects(suspicion) })
     }
 }

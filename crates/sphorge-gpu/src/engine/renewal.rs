@@ -1,8 +1,8 @@
-//! Renewal of the reference configuration of bodies that come apart, as in the CPU engine.
+//! Renewal of the reference configuration of bodies that separate, as in the CPU engine.
 //!
 //! Each step marks particles that are deformed too far; a flag comes back with the limits of the step. The rest is
 //! rare: the bodies of the marked particles are read back, the energy held by their self-contact is released on the
-//! processor, and the configuration and its lists are rebuilt on the card. Until the first renewal the kernels use only
+//! processor, and the configuration and its lists are rebuilt on the GPU. Until the first renewal the kernels use only
 //! the initial configuration.
 
 use super::columns::{Compensated, Group, Handles, Layout, Member, Number, groups};
@@ -19,7 +19,7 @@ use sphorge_physics::contact::share_of_released;
 impl GpuEngine {
     /// Whether any body has a reference configuration other than the initial one.
     pub(super) fn is_renewed(&self) -> bool {
-        self.has_come_apart.contains(&true)
+        self.has_separated.contains(&true)
     }
 
     /// Makes the current configuration of bodies that are deformed too far their reference. Returns whether there was
@@ -29,7 +29,7 @@ impl GpuEngine {
             return Ok(false);
         }
         let marks = read(&self.card, &self.columns, Group::Stretch)?;
-        let mut is_due = vec![false; self.has_come_apart.len()];
+        let mut is_due = vec![false; self.has_separated.len()];
         for (body, mark) in
             self.initial.body.iter().zip(&marks[groups::Stretch::layout().is_beyond.column() * self.stride..])
         {
@@ -45,9 +45,9 @@ impl GpuEngine {
             ));
         }
         for body in 0..is_due.len() {
-            if is_due[body] && !self.has_come_apart[body] {
+            if is_due[body] && !self.has_separated[body] {
                 self.release(body)?;
-                self.has_come_apart[body] = true;
+                self.has_separated[body] = true;
             }
         }
         if !was_renewed {
@@ -57,7 +57,7 @@ impl GpuEngine {
         self.launch(Stage::Renew)?;
         self.choose_ghosts()?;
         self.make_lists_anew()?;
-        self.kept.last_searched = self.steps;
+        self.lists.last_searched = self.steps;
         Ok(true)
     }
 
@@ -69,7 +69,7 @@ impl GpuEngine {
     /// Selects the kernels for renewed references, or those without.
     fn take_references(&mut self, references: References) -> Result<(), RunFailure> {
         if references == References::Renewed {
-            let bodies = self.has_come_apart.len();
+            let bodies = self.has_separated.len();
             let earlier = self.at_start::<groups::Earlier<()>>();
             self.columns.insert(Group::Earlier, self.card.numbers(&earlier).map_err(failure)?);
             self.columns.insert(Group::Apart, self.card.zeros(2 * bodies).map_err(failure)?);
@@ -81,10 +81,10 @@ impl GpuEngine {
         self.rebind()
     }
 
-    /// Copies to the card which bodies have come apart and which are to be renewed.
+    /// Copies to the GPU which bodies have separated and which are to be renewed.
     fn write_flags(&self, is_due: &[bool]) -> Result<(), RunFailure> {
         let flags: Vec<f32> =
-            self.has_come_apart.iter().chain(is_due).map(|flag| if *flag { 1.0 } else { 0.0 }).collect();
+            self.has_separated.iter().chain(is_due).map(|flag| if *flag { 1.0 } else { 0.0 }).collect();
         let array = self.columns.array(Group::Apart).ok_or_else(|| failure("no flags of bodies"))?;
         self.card.write(array, &flags);
         Ok(())
@@ -150,12 +150,12 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// Saves or loads which bodies have come apart; loading selects the kernels for them. Columns follow, and then
+    /// Saves or loads which bodies have separated; loading selects the kernels for them. Columns follow, and then
     /// [`Self::make_lists_anew`].
     pub(super) fn persist_references(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         let was_renewed = self.is_renewed();
-        self.has_come_apart.persist("has_come_apart", archive)?;
-        if self.has_come_apart.len() != self.model.bodies.len() {
+        self.has_separated.persist("has_come_apart", archive)?;
+        if self.has_separated.len() != self.model.bodies.len() {
             return Err(ArchiveError::Mismatch("has_come_apart".to_owned()));
         }
         if archive.is_saving() || !(was_renewed || self.is_renewed()) {
@@ -166,12 +166,12 @@ impl GpuEngine {
 
     fn load_references(&mut self, was_renewed: bool) -> Result<(), RunFailure> {
         let is_renewed = self.is_renewed();
-        self.kept.had_other_references = true;
+        self.lists.had_other_references = true;
         if is_renewed != was_renewed {
             self.take_references(if is_renewed { References::Renewed } else { References::Initial })?;
         }
         if is_renewed {
-            return self.write_flags(&vec![false; self.has_come_apart.len()]);
+            return self.write_flags(&vec![false; self.has_separated.len()]);
         }
         let numbers = self.at_start::<groups::Reference<()>>();
         let array = self.columns.array(Group::Reference).ok_or_else(|| failure("no reference configuration"))?;

@@ -66,7 +66,7 @@ impl GpuEngine {
         let mut extremes = self.extremes.to_vec();
         extremes.persist("extremes", archive)?;
         self.extremes = extremes.try_into().map_err(|_| ArchiveError::Mismatch("extremes".to_owned()))?;
-        self.persist_kept(archive)?;
+        self.persist_lists(archive)?;
         self.persist_references(archive)?;
         self.persist_facets(archive)?;
         if let Some(clock) = &mut self.heat {
@@ -104,7 +104,7 @@ impl GpuEngine {
             let lost = |fault: RunFailure| ArchiveError::Unsupported(fault.to_string());
             // Entries behind the particles do not change.
             let mut numbers = match group {
-                Group::Kept => self.columns_of(&self.kept_entries().map_err(lost)?),
+                Group::Kept => self.columns_of(&self.list_entries().map_err(lost)?),
                 _ => read(&self.card, &self.columns, group).map_err(lost)?,
             };
             for (k, column) in numbers.chunks_exact_mut(stride).enumerate() {
@@ -117,7 +117,7 @@ impl GpuEngine {
             }
             match group {
                 _ if archive.is_saving() => {}
-                Group::Kept if self.domain.is_some() => self.loaded_kept = Some(numbers),
+                Group::Kept if self.domain.is_some() => self.loaded_lists = Some(numbers),
                 _ => self.card.write(array, &numbers),
             }
         }
@@ -130,12 +130,12 @@ impl GpuEngine {
             domain.forget(&self.columns, self.stride);
             self.choose_ghosts()?;
         }
-        if self.domain.is_some() || self.is_renewed() || self.kept.had_other_references {
-            self.kept.had_other_references = false;
+        if self.domain.is_some() || self.is_renewed() || self.lists.had_other_references {
+            self.lists.had_other_references = false;
             self.make_lists_anew()?;
         }
         match self.model.search {
-            Search::Skin { .. } if self.kept.is_made => self.search_again(),
+            Search::Skin { .. } if self.lists.is_made => self.search_again(),
             _ => Ok(()),
         }
     }

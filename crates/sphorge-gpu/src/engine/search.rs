@@ -3,8 +3,8 @@
 use super::columns::{Group, Layout, groups};
 use super::kernels::audit;
 use super::kernels::images::Planes;
-use super::kernels::kept::{HIGH, LONGEST, LONGEST_ROW, LOW, MARKED_ROWS, THINNEST_SKIN, WAYS};
 use super::kernels::reduce::{self, Together};
+use super::kernels::verlet::{HIGH, LONGEST, LONGEST_ROW, LOW, MARKED_ROWS, THINNEST_SKIN, WAYS};
 use super::read_back::read;
 use super::stages::Stage;
 use super::{GpuEngine, failure};
@@ -19,7 +19,7 @@ use sphorge_physics::Vector;
 pub(super) const SPARE: f64 = 0.25;
 
 /// Reduction of the numbers of [`Group::Ways`].
-pub(super) const WAYS_TOGETHER: [Together; WAYS] = {
+pub(super) const DISPLACEMENT_REDUCTION: [Together; WAYS] = {
     let mut together = [Together::Largest; WAYS];
     together[LOW] = Together::Least;
     together[LOW + 1] = Together::Least;
@@ -31,9 +31,9 @@ pub(super) const WAYS_TOGETHER: [Together; WAYS] = {
 
 /// State of stored lists.
 #[derive(Debug, Default)]
-pub(super) struct Kept {
+pub(super) struct VerletLists {
     /// Capacity in neighbours.
-    pub(super) room: u32,
+    pub(super) capacity: u32,
     /// Whether they have been searched.
     pub(super) is_made: bool,
     /// Number of the step of the last full search.
@@ -45,7 +45,7 @@ pub(super) struct Kept {
 }
 
 /// Displacements of all particles since the last full search.
-pub(super) struct Ways {
+pub(super) struct Displacements {
     /// Square of the largest, m².
     pub(super) longest: f64,
     /// Square of the diagonal of their bounding box, m².
@@ -56,13 +56,13 @@ pub(super) struct Ways {
 
 impl GpuEngine {
     /// Makes the lists valid for the updated positions.
-    pub(super) fn refresh_kept(&mut self) -> Result<SearchReport, RunFailure> {
+    pub(super) fn refresh_lists(&mut self) -> Result<SearchReport, RunFailure> {
         self.launch(Stage::Follow)?;
         let due = match self.model.search {
-            Search::Skin { fraction } => !self.kept.is_made || self.moved_beyond_skin(fraction)?,
-            Search::Adaptive(rule) if self.kept.is_made => return self.search_adaptively(rule),
+            Search::Skin { fraction } => !self.lists.is_made || self.moved_beyond_skin(fraction)?,
+            Search::Adaptive(rule) if self.lists.is_made => return self.search_adaptively(rule),
             Search::EveryStep => true,
-            Search::Adaptive(_) | Search::Initial => !self.kept.is_made,
+            Search::Adaptive(_) | Search::Initial => !self.lists.is_made,
         };
         if due {
             self.search_all()?;
@@ -78,15 +78,17 @@ impl GpuEngine {
     /// displacements than their particles.
     fn moved_beyond_skin(&self, fraction: f64) -> Result<bool, RunFailure> {
         let smallest = self.model.bodies.iter().map(|body| body.smoothing_length).fold(f64::INFINITY, f64::min);
-        let ways = self.ways(Stage::Ways)?;
-        let skin = if self.model.smoothing_follows_density() { ways.skin } else { fraction * smallest };
+        let displacements = self.displacements(Stage::Displacements)?;
+        let skin = if self.model.smoothing_follows_density() { displacements.skin } else { fraction * smallest };
         let skin = skin.max(0.0) * self.model.numerics.kernel.support();
-        Ok(skin == 0.0 || ways.longest > 0.25 * skin * skin && (self.model.has_images() || ways.diagonal > skin * skin))
+        Ok(skin == 0.0
+            || displacements.longest > 0.25 * skin * skin
+                && (self.model.has_images() || displacements.diagonal > skin * skin))
     }
 
     /// Searches the particles that flow; with the guard also those that strain and contact candidates.
     fn search_adaptively(&mut self, rule: AdaptiveSearch) -> Result<SearchReport, RunFailure> {
-        if self.has_strayed()? {
+        if self.must_wrap()? {
             self.search_all()?;
             return Ok(SearchReport { searched_fraction: 1.0 });
         }
@@ -105,7 +107,7 @@ impl GpuEngine {
         }
         if marked > 0.0 {
             self.launch(Stage::SearchMarked)?;
-            if self.longest_row()? > f64::from(self.kept.room) {
+            if self.longest_row()? > f64::from(self.lists.capacity) {
                 // Neighbours beyond the capacity are lost.
                 self.search_all()?;
                 return Ok(SearchReport { searched_fraction: 1.0 });
@@ -116,9 +118,11 @@ impl GpuEngine {
 
     /// Whether particles are to be wrapped to the other end of a periodic cell. All are wrapped together, when the CPU
     /// engine would create its images again.
-    fn has_strayed(&self) -> Result<bool, RunFailure> {
-        let is_closed = self.stages.is_empty(Stage::Strayed);
-        Ok(!is_closed && self.ways(Stage::Strayed)?.longest.sqrt() > AdaptiveSearch::IMAGE_MARGIN * self.reach())
+    fn must_wrap(&self) -> Result<bool, RunFailure> {
+        let is_closed = self.stages.is_empty(Stage::DisplacementsSinceSearch);
+        Ok(!is_closed
+            && self.displacements(Stage::DisplacementsSinceSearch)?.longest.sqrt()
+                > AdaptiveSearch::IMAGE_MARGIN * self.reach())
     }
 
     /// How far kernels reach at the start, m.
@@ -131,7 +135,9 @@ impl GpuEngine {
     /// that this is necessary: a few times during the perforation of a plate.
     fn refresh_candidates(&mut self) -> Result<(), RunFailure> {
         let reach = self.reach();
-        if self.kept.has_candidates && self.ways(Stage::Ways)?.longest <= ContactCandidates::lasts(reach).powi(2) {
+        if self.lists.has_candidates
+            && self.displacements(Stage::Displacements)?.longest <= ContactCandidates::lasts(reach).powi(2)
+        {
             return Ok(());
         }
         let place = read(&self.card, &self.columns, Group::Place)?;
@@ -160,7 +166,7 @@ impl GpuEngine {
             let array = self.columns.array(group).ok_or_else(|| failure(format!("no column {group:?}")))?;
             self.card.write(array, numbers);
         }
-        self.kept.has_candidates = true;
+        self.lists.has_candidates = true;
         Ok(())
     }
 
@@ -181,7 +187,7 @@ impl GpuEngine {
             });
             return Ok(list);
         }
-        let own = self.kept_entries()?;
+        let own = self.list_entries()?;
         let lengths = self.of_all_ranks(&own.iter().map(Vec::len).collect::<Vec<usize>>())?;
         let entries = self.joined_of_ranks(&own.concat())?;
         let mut starts = vec![0];
@@ -201,20 +207,20 @@ impl GpuEngine {
         Ok(longest)
     }
 
-    fn ways(&self, since: Stage) -> Result<Ways, RunFailure> {
+    fn displacements(&self, since: Stage) -> Result<Displacements, RunFailure> {
         self.launch(since)?;
-        self.ways_of_all()
+        self.displacements_of_all()
     }
 
     /// Results of the displacement kernels, over the particles of all ranks.
-    pub(super) fn ways_of_all(&self) -> Result<Ways, RunFailure> {
+    pub(super) fn displacements_of_all(&self) -> Result<Displacements, RunFailure> {
         let numbers = self.of_rows()?;
         let largest = |k: usize| numbers(k).fold(f64::NEG_INFINITY, f64::max);
         let least = |k: usize| numbers(k).fold(f64::INFINITY, f64::min);
         let of_rank = [LONGEST, HIGH, HIGH + 1, HIGH + 2].map(largest);
         let [longest, high @ ..] = self.largest_of_ranks(of_rank)?;
         let [low @ .., skin] = self.largest_of_ranks([LOW, LOW + 1, LOW + 2, THINNEST_SKIN].map(|k| -least(k)))?;
-        Ok(Ways { longest, diagonal: (0..3).map(|a| (high[a] + low[a]).powi(2)).sum(), skin: -skin })
+        Ok(Displacements { longest, diagonal: (0..3).map(|a| (high[a] + low[a]).powi(2)).sum(), skin: -skin })
     }
 
     /// The numbers of the remaining rows, by index.
@@ -239,13 +245,13 @@ impl GpuEngine {
         self.launch(Stage::Sorting)?;
         self.launch(Stage::Search)?;
         let longest = self.longest_row()?;
-        if longest > f64::from(self.kept.room) {
-            self.make_room(((1.0 + SPARE) * longest) as u32 + 1)?;
+        if longest > f64::from(self.lists.capacity) {
+            self.allocate_lists(((1.0 + SPARE) * longest) as u32 + 1)?;
             self.set_step()?;
             self.launch(Stage::Search)?;
         }
-        self.kept.is_made = true;
-        self.kept.last_searched = self.steps;
+        self.lists.is_made = true;
+        self.lists.last_searched = self.steps;
         Ok(())
     }
 
@@ -262,9 +268,9 @@ impl GpuEngine {
             lengths[first..first + stride].copy_from_slice(searched);
             self.overwrite(Group::Constants, &lengths)?;
         }
-        let last_searched = self.kept.last_searched;
+        let last_searched = self.lists.last_searched;
         self.find_all()?;
-        self.kept.last_searched = last_searched;
+        self.lists.last_searched = last_searched;
         // Columns may have become longer, for more ghosts.
         self.overwrite(Group::Place, &self.as_long_as_columns(now, stride))?;
         let lengths = lengths.map(|lengths| self.as_long_as_columns(lengths, stride));
@@ -295,28 +301,28 @@ impl GpuEngine {
     }
 
     /// Allocates lists with this capacity for each particle; their contents are lost.
-    fn make_room(&mut self, room: u32) -> Result<(), RunFailure> {
-        let kept = self.card.zeros(room as usize * self.stride).map_err(failure)?;
+    fn allocate_lists(&mut self, capacity: u32) -> Result<(), RunFailure> {
+        let kept = self.card.zeros(capacity as usize * self.stride).map_err(failure)?;
         self.columns.insert(Group::Kept, kept);
         if self.model.keeps_distances() {
-            let stored = self.card.zeros(3 * room as usize * self.stride).map_err(failure)?;
+            let stored = self.card.zeros(3 * capacity as usize * self.stride).map_err(failure)?;
             self.columns.insert(Group::Stored, stored);
         }
-        self.kept.room = room;
+        self.lists.capacity = capacity;
         self.rebind()
     }
 
     /// Saves or loads the state of stored lists, and allocates memory for the lists that are to be loaded.
-    pub(super) fn persist_kept(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        let mut room = self.kept.room;
+    pub(super) fn persist_lists(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        let mut capacity = self.lists.capacity;
         if self.saves_lists() {
-            room.persist("kept.room", archive)?;
+            capacity.persist("kept.room", archive)?;
         }
-        self.kept.is_made.persist("kept.is_made", archive)?;
-        self.kept.has_candidates.persist("kept.has_candidates", archive)?;
-        self.kept.last_searched.persist("kept.last_searched", archive)?;
-        if room != self.kept.room {
-            self.make_room(room).map_err(|fault| ArchiveError::Unsupported(fault.to_string()))?;
+        self.lists.is_made.persist("kept.is_made", archive)?;
+        self.lists.has_candidates.persist("kept.has_candidates", archive)?;
+        self.lists.last_searched.persist("kept.last_searched", archive)?;
+        if capacity != self.lists.capacity {
+            self.allocate_lists(capacity).map_err(|fault| ArchiveError::Unsupported(fault.to_string()))?;
         }
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! Forces through sections, summed on the card when asked for.
+//! Forces through sections, summed on the GPU when asked for.
 
 use super::made::Made;
 use super::reductions::Launched;

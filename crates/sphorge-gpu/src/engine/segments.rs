@@ -1,10 +1,10 @@
-//! Particles in the portions that sums are taken of.
+//! Particles in the partition that sums are taken of.
 
 use super::columns::{Columns, Group};
 use super::initial_columns::motions;
 use super::kernels::ledger::{self, LedgerSums};
 use super::kernels::reductions;
-use super::kernels::sums::{MOST_SUMS, Portions, chunk_of};
+use super::kernels::sums::{MOST_SUMS, Partition, chunk_of};
 use crate::device::{Card, CardFault};
 use rayon::prelude::*;
 use sphorge_engine::{Model, Particles};
@@ -92,13 +92,13 @@ impl Segments {
         self.list.len()
     }
 
-    /// Numbers that so many sums leave: of each segment one and its rest.
+    /// Numbers that so many sums leave: of each segment one and its low part.
     pub(super) fn numbers_of(&self, sums: usize) -> usize {
         2 * sums * self.len()
     }
 
-    pub(super) fn portions(&self) -> Portions {
-        Portions { segments: self.list.len(), chunk: self.chunk }
+    pub(super) fn partition(&self) -> Partition {
+        Partition { segments: self.list.len(), chunk: self.chunk }
     }
 
     /// The row of a particle, if it is here.
@@ -111,7 +111,7 @@ impl Segments {
         self.ids.get(place as usize).copied().unwrap_or_default()
     }
 
-    /// How many particles each has before it by their `id`: numbers that cards hold exactly.
+    /// How many particles each has before it by their `id`: numbers that GPUs hold exactly.
     fn places(&self) -> Vec<u32> {
         let mut places = vec![0; self.by_id.len()];
         for (place, row) in (0..).zip(&self.by_id) {
@@ -126,11 +126,11 @@ impl Segments {
     }
 }
 
-/// Numbers of the sums of so many particles of a few bodies, each once and once for each lane, with rests.
+/// Numbers of the sums of so many particles of a few bodies, each once and once for each lane, with low parts.
 pub(super) fn numbers(model: &Model, particles: usize) -> usize {
     let chunk = chunk_of(particles);
-    let portions = Portions { segments: particles.div_ceil(chunk) + model.bodies.len(), chunk };
-    2 * (portions.lanes() + 1) * portions.segments * most_sums(model)
+    let partition = Partition { segments: particles.div_ceil(chunk) + model.bodies.len(), chunk };
+    2 * (partition.lanes() + 1) * partition.segments * most_sums(model)
 }
 
 /// Most sums that are taken at once.
@@ -138,7 +138,7 @@ fn most_sums(model: &Model) -> usize {
     LedgerSums::of(model).count.max(MOST_SUMS)
 }
 
-/// Brings to the card what sums are taken by.
+/// Brings to the GPU what sums are taken by.
 pub(super) fn insert(
     card: &Card,
     columns: &mut Columns,
@@ -152,7 +152,7 @@ pub(super) fn insert(
     columns.insert(Group::SumNumbers, card.zeros(given)?);
     columns.insert(Group::PlacesById, card.indices(&segments.places())?);
     columns.insert(Group::Regions, card.indices(&p.regions)?);
-    columns.insert(Group::LaneSums, card.zeros(segments.portions().lanes() * sums)?);
+    columns.insert(Group::LaneSums, card.zeros(segments.partition().lanes() * sums)?);
     let [of_suspects, _] = reductions::numbers_of_suspects(segments.len(), model.bodies.len());
     columns.insert(Group::Sums, card.zeros(sums.max(of_suspects))?);
     Ok(())

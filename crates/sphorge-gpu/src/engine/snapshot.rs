@@ -1,4 +1,4 @@
-//! Particles of a card, read back in double precision.
+//! Particles of a GPU, read back in double precision.
 
 use super::columns::Group;
 use super::initial_columns::motions;
@@ -73,7 +73,7 @@ impl GpuEngine {
     pub(super) fn column_reader(&self) -> ColumnReader<'_> {
         let last_searched = match self.model.search {
             Search::EveryStep => self.steps,
-            Search::Skin { .. } | Search::Adaptive(_) | Search::Initial => self.kept.last_searched,
+            Search::Skin { .. } | Search::Adaptive(_) | Search::Initial => self.lists.last_searched,
         };
         ColumnReader {
             model: self.model.clone(),
@@ -101,7 +101,7 @@ impl GpuEngine {
         particles.column(field).map(Column::into_owned).ok_or_else(missing)
     }
 
-    /// All particle data on the card.
+    /// All particle data on the GPU.
     pub(super) fn snapshot(&self) -> Result<Particles, RunFailure> {
         self.column_reader().particles(&mut |group| self.read_once(group))
     }

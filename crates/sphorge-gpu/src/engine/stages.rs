@@ -7,13 +7,13 @@ use std::collections::BTreeMap;
 /// A group of kernels that are launched together, in the order of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Stage {
-    /// New reference configuration of bodies that come apart.
+    /// New reference configuration of bodies that separate.
     Renew,
     /// Lists of the reference configuration: before their lengths are known, and after memory is allocated for them.
     CountLists,
     FillLists,
     /// For shared particles: how far they have moved since ghosts were chosen.
-    GhostWays,
+    GhostDisplacements,
     Begin,
     /// Smoothing lengths that follow the density.
     Follow,
@@ -21,9 +21,9 @@ pub(super) enum Stage {
     Wrap,
     Sorting,
     /// With stored lists: how far particles have moved, and the search.
-    Ways,
+    Displacements,
     /// In adaptive search along periodic axes: how far particles have moved since the last full search.
-    Strayed,
+    DisplacementsSinceSearch,
     Search,
     /// In adaptive search: the particles to be searched, and their search.
     Mark,
@@ -94,7 +94,7 @@ impl<T> Stages<T> {
     }
 }
 
-/// A kernel that is launched in a step, and its access to columns of particles, which is not needed on a single card.
+/// A kernel that is launched in a step, and its access to columns of particles, which is not needed on a single GPU.
 pub(super) struct Staged {
     pub(super) launch: Launch,
     pub(super) touched: Touched,

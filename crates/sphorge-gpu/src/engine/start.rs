@@ -1,4 +1,4 @@
-//! Starts an engine: particles in their order, on a card.
+//! Starts an engine: particles in their order, on a GPU.
 
 use super::columns::keeps_rests;
 use super::facets::Facets;
@@ -7,12 +7,12 @@ use super::kernels::grid::Grid;
 use super::kernels::limits;
 use super::kernels::reference::References;
 use super::kernels::smoothing::largest_factor;
+use super::memory::refuse_beyond_memory;
 use super::plan::Plan;
 use super::ranks::agreement::made_on_all;
 use super::ranks::lifetime::SharedModel;
 use super::ranks::{Domain, choose_at_start, stride_for};
-use super::room::refuse_what_has_no_room;
-use super::search::Kept;
+use super::search::VerletLists;
 use super::segments::{self, Segments};
 use super::stages::Stages;
 use super::{Gpu, GpuEngine, failure};
@@ -75,7 +75,7 @@ impl GpuEngine {
         Ok(engine)
     }
 
-    /// Particles on a card.
+    /// Particles on a GPU.
     fn on_a_card(
         model: Arc<Model>,
         p: Particles,
@@ -106,7 +106,7 @@ impl GpuEngine {
             )));
         }
         let stride = stride_for(p.len(), ghosts);
-        refuse_what_has_no_room(&card, (&model, &p), stride, &grid)?;
+        refuse_beyond_memory(&card, (&model, &p), stride, &grid)?;
         let mut columns = make_columns(&card, (&model, &p), stride, &grid, domain.is_some()).map_err(failure)?;
         let total = domain.as_ref().map_or(p.len(), Domain::total);
         let segments = Segments::of(&model, &p, total);
@@ -116,11 +116,11 @@ impl GpuEngine {
             columns,
             plan: Plan::default(),
             stages: Stages::default(),
-            kept: Kept::default(),
-            has_come_apart: vec![false; model.bodies.len()],
+            lists: VerletLists::default(),
+            has_separated: vec![false; model.bodies.len()],
             facets: Facets::of(&model),
             initial: p,
-            loaded_kept: None,
+            loaded_lists: None,
             own_surface: Vec::new(),
             grid,
             stride,
@@ -143,7 +143,7 @@ impl GpuEngine {
 }
 
 /// The order of particles along a space-filling curve, so that neighbours are near each other in memory, and on ranks
-/// on one card.
+/// on one GPU.
 fn sort_along_curve(model: &Model, p: &mut Particles, cell: f64) {
     let axes = match model.dimensions {
         Dimensions::One => 1,

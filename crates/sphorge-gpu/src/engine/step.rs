@@ -30,7 +30,7 @@ impl GpuEngine {
         let then = self.time + self.dt_to_evaluation();
         let mut numbers = vec![self.dt, 0.5 * self.dt];
         numbers.extend(self.model.gravity);
-        numbers.extend([self.kept.room, self.steps].map(f64::from));
+        numbers.extend([self.lists.capacity, self.steps].map(f64::from));
         let ghosts_before = self.domain.as_ref().map_or(0, |domain| self.initial.len() + domain.ghosts_behind());
         numbers.extend([ghosts_before as f64, self.time + self.dt]);
         for wall in &self.model.walls {
@@ -79,7 +79,7 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// The first particle of this card with a value that is none, if it has one.
+    /// The first particle of this GPU with a value that is none, if it has one.
     fn broken(&self) -> Result<Option<StepFault>, RunFailure> {
         let p = self.snapshot()?;
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
@@ -147,7 +147,7 @@ impl Engine for GpuEngine {
         }
         self.refresh_ghosts()?;
         if self.model.keeps_lists() {
-            return self.refresh_kept();
+            return self.refresh_lists();
         }
         self.launch(Stage::Wrap)?;
         self.launch(Stage::Sorting)?;
@@ -233,7 +233,7 @@ impl Engine for GpuEngine {
         }
         let change = StepChange { density, stretch, energy, jump };
         match &self.model.time.step_control {
-            // Which particle that was is found in what the card holds.
+            // Which particle that was is found in what the GPU holds.
             Some(control) if !self.is_idle() && change.is_beyond(&control.largest) => {
                 let speed = |material: &Material| material.equation_of_state.reference_sound_speed();
                 let speeds: Vec<f64> = self.model.materials.iter().map(speed).collect();

@@ -13,7 +13,7 @@ use sphorge_physics::SymmetricTensor;
 pub(super) struct StoredField {
     name: &'static str,
     pub(super) group: Group,
-    /// Whether it is read from the card; otherwise it is that of the start.
+    /// Whether it is read from the GPU; otherwise it is that of the start.
     pub(super) is_stored: fn(&ColumnReader<'_>) -> bool,
     pub(super) read: fn(&FieldReader<'_>) -> Column<'static>,
 }

@@ -1,4 +1,4 @@
-//! Models that the engine for cards cannot run; they are refused before a run.
+//! Models that the engine for GPUs cannot run; they are refused before a run.
 
 use sphorge_engine::Unsupported;
 use sphorge_engine::model::{Model, Precision};

@@ -11,7 +11,7 @@ use sphorge_physics::surface::{NearFace, add_outward, exposed, outermost_arm};
 use sphorge_physics::tensor::dot;
 
 impl GpuEngine {
-    /// Finds the surface particles and their normals, and copies them to the card; and facets, if bodies meet there.
+    /// Finds the surface particles and their normals, and copies them to the GPU; and facets, if bodies meet there.
     pub(super) fn find_surfaces(&mut self) -> Result<(), RunFailure> {
         if self.model.sorts_by_contact_positions() {
             self.find_normals()?;
@@ -85,7 +85,7 @@ impl GpuEngine {
         self.rebind()
     }
 
-    /// Copies the surface particles to the card, ghosts behind the own particles.
+    /// Copies the surface particles to the GPU, ghosts behind the own particles.
     pub(super) fn find_surface_ghosts(&mut self) -> Result<(), RunFailure> {
         if !self.model.has_faces() {
             return Ok(());
@@ -104,7 +104,7 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// Values of the particles of this card, followed by those of its ghosts.
+    /// Values of the particles of this GPU, followed by those of its ghosts.
     pub(super) fn with_ghosts<const N: usize>(&self, own: &[[f64; N]]) -> Result<Vec<[f64; N]>, RunFailure> {
         let mut all = own.to_vec();
         if let Some(domain) = &self.domain {

@@ -129,7 +129,7 @@ mod tests {
     use sphorge_physics::{Elementary, Real};
 
     #[test]
-    fn what_threads_do_is_counted_in_branches_and_loops_and_nothing_else_changes() {
+    fn operations_are_counted_in_branches_and_loops_without_side_effects() {
         let kernel = Kernel::record("sums", |scope| {
             let (lengths, x, y) = (scope.indices("lengths"), scope.input("x"), scope.output("y"));
             let i = scope.thread();

@@ -1,11 +1,11 @@
-//! Numbers of a card with what single precision leaves of them: some 48 bits.
+//! Numbers of a GPU with what single precision leaves of them: some 48 bits.
 
 use super::Recorded;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use sphorge_physics::{Elementary, Numbers, Real};
 
 /// A number and the rest of it, for laws whose result is small beside what it comes of, such as the pressure of a density: T. J. Dekker, Numerische
-/// Mathematik 18 (1971) 224. What compilers of cards must not see through is [`Recorded::rounded`].
+/// Mathematik 18 (1971) 224. What compilers of GPUs must not see through is [`Recorded::rounded`].
 #[derive(Clone, Copy, Debug)]
 pub struct Double {
     /// The number in single precision.
@@ -48,7 +48,7 @@ fn product(a: Recorded, b: Recorded) -> Double {
 }
 
 impl Double {
-    /// Of a number and its rest.
+    /// Of a number and its low part.
     pub fn new([high, low]: [Recorded; 2]) -> Self {
         Self { high, low }
     }
@@ -100,7 +100,7 @@ impl Mul for Double {
 impl Div for Double {
     type Output = Self;
     fn div(self, other: Self) -> Self {
-        // Divisions of cards are good to a few units: each share is of what the last has left.
+        // Divisions of GPUs are good to a few units: each share is of what the last has left.
         let first = (self.high / other.high).rounded();
         let left = self - other.times(first);
         let second = (left.high / other.high).rounded();
@@ -247,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn arithmetic_is_good_to_fourteen_digits() {
+    fn arithmetic_has_fourteen_digits() {
         let of = |[a, b]: [f64; 2]| {
             vec![a + b, a - b, a * b, a / b, b.sqrt(), a.min(b), a.max(b), a.abs(), a.mul_add(b, a), a * 0.3 + 1e-9]
         };
@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn elementary_functions_know_what_the_second_number_adds_and_branches_carry_both() {
+    fn elementary_functions_and_branches_use_the_low_part() {
         let (x, y) = (1.75 + 3e-9, 2.5 - 7e-9);
         let found = evaluated(&[x, y], |numbers| {
             let (x, y) = (numbers[0], numbers[1]);
@@ -290,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn a_history_grows_by_what_single_precision_would_lose() {
+    fn history_variables_accumulate_increments_below_single_precision() {
         let law = FlowLaw::PressureAndDamage(PressureAndDamage::<f64>::new(&[1e8, 0.0, 0.0, 0.0, 1e9]));
         // A stress of 100 MPa over 1e-8 of strain adds 1e-9 to a damage of a third.
         let stress = SymmetricTensor { xx: 2.0 / 3.0, yy: -1.0 / 3.0, zz: -1.0 / 3.0, ..SymmetricTensor::zero() };
@@ -319,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pressure_is_that_of_double_precision() {
+    fn pressure_matches_double_precision() {
         let law = EquationOfState::MieGruneisenHugoniot(MieGruneisenHugoniot::new(&[8930.0, 3940.0, 1.489, 2.02]));
         for (density, energy) in [(8_930.000_2, 0.0), (8_930.000_31, 12.0), (8929.9, -3.0), (12_500.3, 1.3e6)] {
             let found = evaluated(&[density, energy], |x| {

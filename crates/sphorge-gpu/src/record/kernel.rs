@@ -58,10 +58,10 @@ pub struct IndexOutput(u32);
 pub struct Counters(u32);
 
 impl Kernel {
-    /// Records a kernel. `name` is one of the languages of cards: letters, digits and underscores.
+    /// Records a kernel. `name` is one of the languages of GPUs: letters, digits and underscores.
     ///
     /// # Errors
-    /// It asks for what a card cannot do.
+    /// It asks for what a GPU cannot do.
     pub fn record(name: &str, body: impl FnOnce(&mut Scope)) -> Result<Self, KernelFault> {
         let (recorder, statements) = record(|| body(&mut Scope(())));
         if let Some(what) = recorder.fault {

@@ -2,7 +2,7 @@
 //!
 //! [`Recorded`] implements the number traits of the laws, so that a law that is generic over them is written down by calling it. What
 //! comes of it is a list of operations in an order they can be executed in, with the branches and iterations of
-//! [`sphorge_physics::Elementary`]; [`crate::source`] writes it in the language of a card.
+//! [`sphorge_physics::Elementary`]; [`crate::source`] writes it in the language of a GPU.
 
 mod counted;
 mod double;

@@ -62,7 +62,7 @@ impl Div for Recorded {
 impl Neg for Recorded {
     type Output = Self;
     fn neg(self) -> Self {
-        // No language of cards has `--`.
+        // No language of GPUs has `--`.
         match with(|recorder| recorder.constant(self.0)) {
             Some(constant) => Self::of(f64::from(-constant)),
             None => unary(Unary::Negate, self),
@@ -83,7 +83,7 @@ impl SubAssign for Recorded {
 }
 
 impl Recorded {
-    /// The number as it was rounded. Compilers of cards take numbers for real ones and find `(a + b) - a` to be `b`; where the difference is what
+    /// The number as it was rounded. Compilers of GPUs take numbers for real ones and find `(a + b) - a` to be `b`; where the difference is what
     /// is asked for, they must not see where a sum comes from.
     #[must_use]
     pub fn rounded(self) -> Self {
@@ -93,7 +93,7 @@ impl Recorded {
 
 impl Real for Recorded {
     fn of(value: f64) -> Self {
-        // Cards need not know infinity: the largest number is as far from every other.
+        // GPUs need not know infinity: the largest number is as far from every other.
         let value = (value as f32).clamp(-f32::MAX, f32::MAX);
         record(Operation::Constant(value.to_bits()))
     }

@@ -1,4 +1,4 @@
-//! CUDA C++, for NVIDIA cards where there is no Vulkan.
+//! CUDA C++, for NVIDIA GPUs where there is no Vulkan.
 
 use super::writer::{Language, body, buffer_name};
 use crate::record::{Access, Binary, Element, Kernel, Unary};

@@ -1,4 +1,4 @@
-//! Recorded kernels as text in the languages of cards.
+//! Recorded kernels as text in the languages of GPUs.
 
 mod cuda;
 mod wgsl;

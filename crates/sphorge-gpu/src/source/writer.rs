@@ -1,4 +1,4 @@
-//! What the languages of cards have in common: all of them look like C.
+//! What the languages of GPUs have in common: all of them look like C.
 
 use crate::record::{Binary, Element, Kernel, Operation, Statement, Unary, Value};
 use std::fmt::Write;

@@ -1,4 +1,4 @@
-//! What neighbour lists on a card miss, beside what the processor's engine says of its own.
+//! What neighbour lists on a GPU miss, beside what the processor's engine says of its own.
 
 use super::card::card;
 use super::contact::{RUBS, striking};
@@ -67,7 +67,7 @@ fn compare(text: &str, overrides: &[(&str, &str)], end: f64) -> Vec<Audit> {
 }
 
 #[test]
-fn what_an_adaptive_search_misses_is_said_as_on_the_processor() {
+fn missed_pairs_of_an_adaptive_search_match_the_cpu() {
     let published = ("search", "{ adaptive = { guard = \"none\" } }");
     let theirs = compare(LATE, &[published], 22e-6);
     assert!(theirs.is_empty() || theirs.iter().any(|audit| audit.missed_foreign_pairs > 20));
@@ -94,7 +94,7 @@ fn pairs_beyond_a_skin_and_images_are_counted() {
 }
 
 #[test]
-fn lists_of_the_initial_configuration_are_audited_as_on_the_processor() {
+fn lists_of_the_initial_configuration_are_audited_as_on_the_cpu() {
     let text = |name: &str| decks::find(name).unwrap().text;
     let audit = ("audit", "20");
     let iron = [IRON.1[0], IRON.1[1], ("body.bar.velocity", "[\"0 m/s\", \"-300 m/s\"]"), audit];

@@ -1,4 +1,4 @@
-//! The same on a card, or on what stands for one: run with `--features device`.
+//! The same on a GPU, or on what stands for one: run with `--features device`.
 
 use super::laws::{Law, laws};
 use super::pairs::{self, Block};
@@ -7,7 +7,7 @@ use super::{SAMPLES, kernel_of};
 use crate::device::{Card, CardFault, Interface};
 use crate::record::{Index, Kernel};
 
-/// The card the tests run on. Without one they say so and pass, unless `SPHORGE_NEEDS_CARD` says which there has to be, as where all is tested: by
+/// The GPU the tests run on. Without one they say so and pass, unless `SPHORGE_NEEDS_CARD` says which there has to be, as where all is tested: by
 /// `CUDA` or `Vulkan`, or any.
 pub(crate) fn card() -> Option<Card> {
     let needed = std::env::var("SPHORGE_NEEDS_CARD").ok();
@@ -26,9 +26,9 @@ pub(crate) fn card() -> Option<Card> {
 }
 
 #[test]
-fn laws_on_a_card_are_those_of_the_processor() {
+fn laws_on_a_device_match_the_cpu() {
     let Some(card) = card() else { return };
-    // All laws are looked at before the test fails: time on a card is short.
+    // All laws are looked at before the test fails: time on a GPU is short.
     let differs = |law: &Law| {
         let kernel = kernel_of(law);
         let program = card.compile(&kernel).unwrap_or_else(|fault| panic!("{}: {fault}", law.name));
@@ -43,7 +43,7 @@ fn laws_on_a_card_are_those_of_the_processor() {
 }
 
 #[test]
-fn the_pair_loop_on_a_card_is_that_of_the_processor_and_the_same_each_time() {
+fn the_pair_loop_on_a_device_matches_the_cpu_and_is_reproducible() {
     let Some(card) = card() else { return };
     let block = Block::new(9);
     let program = card.compile(&pairs::kernel(block.count).unwrap()).unwrap();
@@ -86,7 +86,7 @@ fn launches_of_many_rows_reach_every_thread_once() {
 }
 
 #[test]
-fn a_card_that_is_not_there_is_named() {
+fn a_missing_device_is_named() {
     let fault = Card::open(Some("no such card")).unwrap_err();
     let CardFault::NotFound { what, help } = fault else { panic!("{fault}") };
     assert!(what.contains("no such card") || what.contains("no usable graphics card was found"), "{what}");
@@ -94,10 +94,10 @@ fn a_card_that_is_not_there_is_named() {
 }
 
 #[test]
-fn what_goes_wrong_on_the_card_is_an_error_of_the_next_reading() {
+fn errors_on_the_device_are_reported_by_the_next_read() {
     let Some(card) = card() else { return };
     if card.found().interface == Interface::Cuda {
-        // No other test of this process would have a card any more: `.ci/run` loses one under a run of the program.
+        // No other test of this process would have a GPU any more: `.ci/run` loses one under a run of the program.
         return;
     }
     let kernel = Kernel::record("copy", |scope| {
@@ -117,7 +117,7 @@ fn what_goes_wrong_on_the_card_is_an_error_of_the_next_reading() {
 }
 
 #[test]
-fn a_kernel_is_not_bound_to_too_few_buffers_nor_a_column_larger_than_the_card_takes() {
+fn too_few_buffers_and_too_large_columns_are_refused() {
     let Some(card) = card() else { return };
     let kernel = Kernel::record("two", |scope| {
         let (x, y) = (scope.input("x"), scope.output("y"));

@@ -1,4 +1,4 @@
-//! Heat that flows on a card, beside the processor's engine.
+//! Heat that flows on a GPU, beside the processor's engine.
 
 use super::card::card;
 use super::contact::{RUBS, striking};
@@ -52,13 +52,13 @@ fn compare(deck: &str, overrides: &[(&str, &str)], end: f64, near: f64) {
 }
 
 #[test]
-fn heat_through_held_faces_and_between_metals_is_that_of_the_processor() {
+fn heat_through_held_faces_and_between_metals_matches_the_cpu() {
     compare("heat-slab", &[], 20.0, 1e-5);
     compare("two-materials", &[], 1.0, 1e-5);
 }
 
 #[test]
-fn heat_through_surfaces_is_that_of_the_processor() {
+fn heat_through_surfaces_matches_the_cpu() {
     compare("convecting-block", &[("particles.spacing", "\"4 mm\"")], 20.0, 1e-5);
     let boundaries = "[{ name = \"air\", region = \"left\", convection = { coefficient = \"500 W/(m^2 K)\", ambient = \"0 degC\" } }, \
                       { name = \"flame\", region = \"right\", normal = [1, 0], flux = \"2e5 W/m^2\" }, { name = \"ice\", region = \"top\", surface-temperature = \"0 degC\" }]";
@@ -85,12 +85,12 @@ const BAR: [(&str, &str); 2] =
     [("particles.spacing", "\"0.8 mm\""), ("material.42crmo4-steel.conductivity", "\"2e5 W/(m K)\"")];
 
 #[test]
-fn heat_in_what_is_deformed_is_that_of_the_processor() {
+fn heat_in_what_is_deformed_matches_the_cpu() {
     compare("taylor-bar-42crmo4", &BAR, 8e-6, 3e-4);
 }
 
 #[test]
-fn heat_flows_at_the_distances_of_now_where_those_of_sums_are_kept() {
+fn heat_flows_at_current_distances_where_sums_keep_former_ones() {
     if card().is_none() {
         return;
     }
@@ -112,7 +112,7 @@ const CONDUCT: [(&str, &str); 4] = [
 ];
 
 #[test]
-fn heat_passes_between_bodies_in_contact_as_on_the_processor() {
+fn heat_passes_between_bodies_in_contact_as_on_the_cpu() {
     if card().is_none() {
         return;
     }
@@ -127,12 +127,12 @@ fn heat_passes_between_bodies_in_contact_as_on_the_processor() {
 }
 
 #[test]
-fn the_same_bits_come_again_where_heat_flows() {
+fn heat_conduction_is_reproducible_to_the_bit() {
     conserves_and_repeats("taylor-bar-42crmo4", &BAR, 2e-6);
 }
 
 #[test]
-fn a_flux_that_takes_more_heat_than_there_is_ends_the_run_by_name() {
+fn a_flux_that_cools_below_zero_ends_the_run_with_its_name() {
     if card().is_none() {
         return;
     }

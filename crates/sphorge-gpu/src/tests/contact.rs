@@ -1,4 +1,4 @@
-//! Bodies that meet in the contact on a card, beside the processor's engine.
+//! Bodies that meet in the contact on a GPU, beside the processor's engine.
 
 use super::card::card;
 use super::engine::{conserves_and_repeats_text, count_steps, drifts, start_text};
@@ -123,13 +123,13 @@ pub(super) fn compare(deck: &str, overrides: &[(&str, &str)], end: f64, near: f6
 }
 
 #[test]
-fn bodies_that_meet_at_faces_are_those_of_the_processor() {
+fn bodies_in_contact_at_faces_match_the_cpu() {
     compare(&striking(RUBS), &CONDUCT, 10e-6, 2e-4);
     compare(&striking(STIFF), &[], 6e-6, 2e-4);
 }
 
 #[test]
-fn bodies_that_meet_in_the_present_configuration_are_those_of_the_processor() {
+fn bodies_in_contact_in_the_current_configuration_match_the_cpu() {
     compare(&striking(&format!("{PRESENT}\n{RUBS}")), &[], 7e-6, 2e-4);
     let kept = [("numerics.integrator", "\"leapfrog\""), ("search", "\"skin\"")];
     compare(&striking(&format!("{PRESENT}\n{RUBS}")), &kept[..1], 7e-6, 2e-4);
@@ -137,7 +137,7 @@ fn bodies_that_meet_in_the_present_configuration_are_those_of_the_processor() {
 }
 
 #[test]
-fn bodies_that_meet_under_the_adaptive_search_are_those_of_the_processor() {
+fn bodies_in_contact_under_the_adaptive_search_match_the_cpu() {
     let adaptive = [("numerics.integrator", "\"leapfrog\""), ("search", "\"adaptive\"")];
     compare(&striking(&format!("{PRESENT}\n{RUBS}")), &adaptive, 7e-6, 2e-4);
 }
@@ -160,13 +160,13 @@ pub(super) fn in_space(more: &str) -> String {
 }
 
 #[test]
-fn bodies_that_meet_in_space_are_those_of_the_processor() {
+fn bodies_in_contact_in_space_match_the_cpu() {
     compare(&in_space(RUBS), &[], 12e-6, 2e-4);
     compare(&in_space(&format!("{PRESENT}\n{RUBS}")), &[("search", "\"skin\"")], 10e-6, 2e-4);
 }
 
 #[test]
-fn the_same_bits_come_again_where_bodies_are_pressed() {
+fn bodies_in_contact_are_reproducible_to_the_bit() {
     conserves_and_repeats_text("striking", &striking(RUBS), &[], 4e-6);
     conserves_and_repeats_text("striking", &striking(&format!("{PRESENT}\n{RUBS}")), &[], 4e-6);
 }
@@ -189,7 +189,7 @@ pub(super) fn slabs(more: &str) -> String {
 }
 
 #[test]
-fn nine_bodies_that_meet_are_those_of_the_processor() {
+fn nine_bodies_in_contact_match_the_cpu() {
     compare(&slabs(RUBS), &[], 8e-6, 2e-4);
     compare(&slabs(&format!("{PRESENT}\n{RUBS}")), &[], 8e-6, 2e-4);
     conserves_and_repeats_text("slabs", &slabs(RUBS), &[], 3e-6);

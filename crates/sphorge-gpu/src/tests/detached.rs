@@ -1,4 +1,4 @@
-//! Fields that are copied out while the card goes on.
+//! Fields that are copied out while the GPU goes on.
 
 use super::card::card;
 use super::engine::{IRON, components, start};
@@ -7,7 +7,7 @@ use sphorge_engine::FieldSource;
 use sphorge_engine::particles::FIELDS;
 
 #[test]
-fn fields_are_those_of_when_they_were_asked_for_whatever_the_card_does_meanwhile() {
+fn detached_fields_do_not_change_with_later_steps() {
     if card().is_none() {
         return;
     }

@@ -1,4 +1,4 @@
-//! Whole steps on a card, beside those of the processor.
+//! Whole steps on a GPU, beside those of the processor.
 
 use super::card::card;
 use crate::Gpu;
@@ -122,13 +122,13 @@ fn compare_with_noise(deck: &str, overrides: &[(&str, &str)], end: f64, near: f6
 }
 
 #[test]
-fn the_plate_of_the_paper_is_that_of_the_processor_while_it_is_not_chaotic() {
+fn the_plate_of_the_paper_matches_the_cpu_before_chaos() {
     // From 15 us on, particles of this method fall together in pairs, and the last bit decides which.
     compare(PLATE.0, PLATE.1, 8e-6, 1e-4);
 }
 
 #[test]
-fn every_field_a_deck_can_name_is_that_of_the_processor() {
+fn every_field_a_deck_can_name_matches_the_cpu() {
     compare_fields(PLATE.0, PLATE.1, 3e-6);
     compare_fields(IRON.0, IRON.1, 3e-6);
 }
@@ -170,7 +170,7 @@ fn compare_fields_to(deck: &str, overrides: &[(&str, &str)], end: f64, near: f64
         let periodic = simulations[0].model().periodic;
         for (k, (ours, theirs)) in ours.iter().zip(&theirs).enumerate() {
             let cell = periodic[k % 3].filter(|_| field.name == "displacement").map(|(low, high)| high - low);
-            // A card does not count how often a particle has come in again.
+            // A GPU does not count how often a particle has come in again.
             let off = ours - theirs;
             let off = cell.map_or(off, |cell| off - (off / cell).round() * cell);
             let is_near = off.abs() <= near_to[k] || ours == theirs;
@@ -203,7 +203,7 @@ fn numbers_are_as_good_as_those_of_the_processor() {
 }
 
 #[test]
-fn densities_by_moving_least_squares_are_those_of_the_processor() {
+fn densities_by_moving_least_squares_match_the_cpu() {
     // Two bodies in kernel sums whose densities know nothing of each other; the leapfrog, in space.
     let shear = [("particles.spacing", "\"1.5 mm\""), ("numerics.mls-interval", "5")];
     compare("high-shear", &shear, 6e-6, 1e-4);
@@ -217,24 +217,24 @@ fn densities_by_moving_least_squares_are_those_of_the_processor() {
 }
 
 #[test]
-fn a_bar_in_space_is_that_of_the_processor() {
+fn a_bar_in_space_matches_the_cpu() {
     compare("taylor-bar", &[("method", "\"patino\""), ("particles.spacing", "\"1.2 mm\"")], 4e-6, 1e-4);
 }
 
 #[test]
-fn a_wall_that_rubs_is_that_of_the_processor() {
+fn a_wall_with_friction_matches_the_cpu() {
     let wall = ("wall.0.contact", "{ penalty = { friction = 0.2 } }");
     compare(PLATE.0, &[PLATE.1[0], wall, ("numerics.viscosity.balsara", "true")], 5e-6, 1e-4);
 }
 
 #[test]
-fn segments_as_walls_are_those_of_the_processor() {
+fn segments_as_walls_match_the_cpu() {
     // Slanted below, with an end that the plate strikes.
     let walls = "[{ name = \"wedge\", segment = { from = [\"-9 mm\", \"-2.4 mm\"], to = [\"1 mm\", \"-0.3 mm\"] } }, \
                   { name = \"edge\", segment = { from = [\"2 mm\", \"-0.4 mm\"], to = [\"9 mm\", \"-6 mm\"] }, \
                     contact = { penalty = { friction = 0.2 } }, velocity = [\"0 m/s\", \"30 m/s\"] }]";
     compare(PLATE.0, &[PLATE.1[0], ("wall", walls)], 6e-6, 1e-4);
-    // In the default method cards refuse those that push facets.
+    // In the default method GPUs refuse those that push facets.
     let at_particles = walls.replace("friction = 0.2", "surfaces = \"particles\", friction = 0.2").replace(
         "[\"1 mm\", \"-0.3 mm\"] }",
         "[\"1 mm\", \"-0.3 mm\"] }, contact = { penalty = { surfaces = \"particles\" } }",
@@ -246,7 +246,7 @@ fn segments_as_walls_are_those_of_the_processor() {
 }
 
 #[test]
-fn the_leapfrog_is_that_of_the_processor() {
+fn the_leapfrog_matches_the_cpu() {
     let leapfrog = ("numerics.integrator", "\"leapfrog\"");
     compare(PLATE.0, &[PLATE.1[0], leapfrog], 8e-6, 1e-4);
     let rubs = ("wall.0.contact", "{ penalty = { friction = 0.2 } }");
@@ -265,7 +265,7 @@ pub(crate) const IRON: (&str, &[(&str, &str)]) = (
 );
 
 #[test]
-fn the_default_method_is_that_of_the_processor() {
+fn the_default_method_matches_the_cpu() {
     compare(IRON.0, IRON.1, 20e-6, 1e-4);
     let [spacing, wall] = [IRON.1[0], IRON.1[1]];
     let rubs = ("wall.0.contact", "{ penalty = { friction = 0.2 } }");
@@ -303,7 +303,7 @@ fn measures_are_taken_at_deformed_faces() {
 }
 
 #[test]
-fn planes_of_symmetry_are_those_of_the_processor() {
+fn planes_of_symmetry_match_the_cpu() {
     compare("copper-bar", &[("particles.spacing", "\"0.95 mm\"")], 10e-6, 1e-4);
     // A plane at a place that single precision does not know, with a table of as many cells as columns are long; and a corner of two.
     let half = [
@@ -322,7 +322,7 @@ fn planes_of_symmetry_are_those_of_the_processor() {
 }
 
 #[test]
-fn what_is_pressed_flat_takes_the_steps_of_the_processor() {
+fn flattened_particles_take_the_steps_of_the_cpu() {
     if card().is_none() {
         return;
     }
@@ -333,7 +333,7 @@ fn what_is_pressed_flat_takes_the_steps_of_the_processor() {
 }
 
 #[test]
-fn what_is_between_two_planes_of_symmetry_is_that_of_the_processor() {
+fn a_body_between_two_symmetry_planes_matches_the_cpu() {
     let between = |x: f64| {
         format!("[{{ axis = \"x\", at = \"-{x} mm\" }}, {{ axis = \"x\", at = \"{x} mm\", side = \"negative\" }}]")
     };
@@ -348,7 +348,7 @@ fn what_is_between_two_planes_of_symmetry_is_that_of_the_processor() {
 }
 
 #[test]
-fn corrected_gradients_are_those_of_the_processor() {
+fn corrected_gradients_match_the_cpu() {
     let correction = ("numerics.gradient-correction", "\"linear\"");
     compare(PLATE.0, &[PLATE.1[0], correction], 4e-6, 1e-4);
     let bar = [("method", "\"patino\""), ("particles.spacing", "\"1.2 mm\""), correction];
@@ -363,7 +363,7 @@ fn corrected_gradients_are_those_of_the_processor() {
 }
 
 #[test]
-fn bodies_of_two_metals_that_strike_are_those_of_the_processor() {
+fn bodies_of_two_metals_that_strike_match_the_cpu() {
     let overrides = [
         ("search", "\"every-step\""),
         ("particles.spacing", "\"0.8 mm\""),
@@ -375,7 +375,7 @@ fn bodies_of_two_metals_that_strike_are_those_of_the_processor() {
 }
 
 #[test]
-fn temperatures_of_the_energy_are_those_of_the_processor() {
+fn temperatures_of_the_energy_match_the_cpu() {
     // Shocks of 100 GPa; with artificial stress, whose work is no heat.
     let disc = [("particles.spacing", "\"0.8 mm\""), ("time.courant", "0.1")];
     compare("penetration", &[&disc[..], &[("body.1.temperature", "\"500 K\"")]].concat(), 1.2e-6, 1e-4);
@@ -389,7 +389,7 @@ fn temperatures_of_the_energy_are_those_of_the_processor() {
 }
 
 #[test]
-fn one_dimension_is_that_of_the_processor() {
+fn one_dimension_matches_the_cpu() {
     let overrides = [
         ("method", "\"patino\""),
         ("body.0.velocity", "[\"900 m/s\"]"),
@@ -403,7 +403,7 @@ fn one_dimension_is_that_of_the_processor() {
 }
 
 #[test]
-fn other_kernels_forms_moving_walls_and_gravity_are_those_of_the_processor() {
+fn other_kernels_forms_moving_walls_and_gravity_match_the_cpu() {
     let overrides = [
         PLATE.1[0],
         ("numerics.kernel", "\"quintic-spline\""),
@@ -417,7 +417,7 @@ fn other_kernels_forms_moving_walls_and_gravity_are_those_of_the_processor() {
 }
 
 #[test]
-fn energy_is_conserved_and_the_same_bits_come_again_also_from_a_saved_state() {
+fn energy_is_conserved_and_a_saved_state_resumes_to_the_same_bits() {
     conserves_and_repeats(PLATE.0, PLATE.1, 2e-6);
     conserves_and_repeats(PLATE.0, &[PLATE.1[0], ("numerics.integrator", "\"leapfrog\"")], 2e-6);
     conserves_and_repeats(IRON.0, IRON.1, 4e-6);
@@ -478,7 +478,7 @@ pub(super) fn drifts(simulation: &Simulation, first: &Ledger) -> (f64, f64) {
 }
 
 #[test]
-fn every_shipped_deck_is_taken_but_for_those_in_double_precision() {
+fn every_shipped_deck_is_supported_except_in_double_precision() {
     for deck in decks::DECKS {
         let load = |overrides: &[(String, String)]| load_text(deck.name, deck.text, overrides).unwrap().model;
         let refused = |model: &Model| Gpu::default().supports(model).err().map(|refusal| refusal.what);

@@ -1,4 +1,4 @@
-//! Bodies that meet at their facets on a card, beside the processor's engine.
+//! Bodies that meet at their facets on a GPU, beside the processor's engine.
 
 use super::contact::{CONDUCT, compare, in_space, slabs, striking};
 use super::engine::conserves_and_repeats_text;
@@ -10,43 +10,43 @@ pub(crate) const RUBS: &str = "contact = { penalty = { surfaces = \"facets\", fr
 const STIFF: &str = "contact = { penalty = { surfaces = \"facets\", friction = 0.3, stiffness = 3.0 } }";
 
 #[test]
-fn bodies_that_meet_at_facets_are_those_of_the_processor() {
+fn bodies_in_contact_at_facets_match_the_cpu() {
     compare(&striking(SMOOTH), &[], 10e-6, 2e-4);
 }
 
 #[test]
-fn bodies_that_rub_at_facets_are_those_of_the_processor() {
+fn friction_at_facets_matches_the_cpu() {
     compare(&striking(RUBS), &CONDUCT, 10e-6, 2e-4);
     compare(&striking(STIFF), &[], 6e-6, 2e-4);
 }
 
 #[test]
-fn bodies_that_meet_at_facets_in_space_are_those_of_the_processor() {
+fn bodies_in_contact_at_facets_in_space_match_the_cpu() {
     compare(&in_space(RUBS), &[], 10e-6, 2e-4);
 }
 
 #[test]
-fn nine_bodies_that_meet_at_facets_are_those_of_the_processor() {
+fn nine_bodies_in_contact_at_facets_match_the_cpu() {
     compare(&slabs(RUBS), &[], 8e-6, 2e-4);
 }
 
 #[test]
-fn the_same_bits_come_again_where_facets_are_pressed() {
+fn contact_at_facets_is_reproducible_to_the_bit() {
     conserves_and_repeats_text("striking", &striking(RUBS), &[], 4e-6);
 }
 
 #[test]
-fn a_body_that_strikes_its_image_at_facets_is_that_of_the_processor() {
+fn a_body_that_strikes_its_image_at_facets_matches_the_cpu() {
     self_contact::compare(&closing(UPPER, &format!("{STIFF}\n{PLANE}")), 15e-6, 2e-4);
 }
 
 #[test]
-fn arms_of_a_hairpin_meet_at_facets_as_on_the_processor() {
+fn arms_of_a_hairpin_meet_at_facets_as_on_the_cpu() {
     self_contact::compare(&closing(HAIRPIN, SMOOTH), 40e-6, 1e-3);
 }
 
 /// In the plane the processor's own runs in mixed and double precision are 2e-4 of the energy apart.
 #[test]
-fn parts_of_a_body_that_meet_at_facets_in_space_are_those_of_the_processor() {
+fn parts_of_a_body_in_contact_at_facets_in_space_match_the_cpu() {
     self_contact::compare(&self_contact::in_space(&closing(BLOCKS, RUBS)), 13e-6, 5e-4);
 }

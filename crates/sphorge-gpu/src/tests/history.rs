@@ -1,4 +1,4 @@
-//! A flow law with a history of its own, and integrity, on a card, beside the processor's engine.
+//! A flow law with a history of its own, and integrity, on a GPU, beside the processor's engine.
 
 use super::card::card;
 use super::engine::{IRON, components, drifts, start_text};
@@ -47,7 +47,7 @@ fn compare(overrides: &[(&str, &str)], end: f64, work: f64) {
 }
 
 #[test]
-fn damage_grows_as_on_the_processor() {
+fn damage_grows_as_on_the_cpu() {
     compare(&IRON.1[..2], 5e-6, 1e9);
     let patino = [IRON.1[0], IRON.1[1], ("method", "\"patino\""), ("search", "\"every-step\"")];
     compare(&patino, 3e-6, 1e9);
@@ -98,7 +98,7 @@ velocity-profile = { along = "x", amplitude = ["100 m/s", "20 m/s"], rows = [["-
 "#;
 
 #[test]
-fn integrity_is_lost_as_on_the_processor() {
+fn integrity_is_lost_as_on_the_cpu() {
     if card().is_none() {
         return;
     }
@@ -154,7 +154,7 @@ const BREAKS: [(&str, &[(&str, &str)]); 4] = [
 ];
 
 #[test]
-fn damage_grows_and_metal_breaks_as_on_the_processor() {
+fn damage_grows_and_metal_breaks_as_on_the_cpu() {
     if card().is_none() {
         return;
     }

@@ -1,4 +1,4 @@
-//! What is counted and timed on a card.
+//! What is counted and timed on a GPU.
 
 use super::card::card;
 use super::engine::start;
@@ -28,7 +28,7 @@ fn neighbours_of_a_step_are_those_of_all_particles() {
 }
 
 #[test]
-fn kernels_are_timed_and_what_they_do_is_counted_and_a_run_stays_the_same() {
+fn profiling_times_kernels_without_changing_the_run() {
     let Some(card) = card() else { return };
     let profile = Profile::default();
     let timed = Gpu { profile: Some(profile.clone()), ..Gpu::default() };

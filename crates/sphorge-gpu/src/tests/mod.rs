@@ -17,8 +17,6 @@ pub(crate) mod facet_contact;
 mod facets;
 #[cfg(feature = "device")]
 mod history;
-#[cfg(feature = "device")]
-mod kept;
 mod laws;
 #[cfg(feature = "device")]
 mod measured;
@@ -38,6 +36,8 @@ mod sections;
 mod self_contact;
 #[cfg(feature = "device")]
 mod smoothing;
+#[cfg(feature = "device")]
+mod verlet_lists;
 
 use crate::evaluate::Evaluation;
 use crate::record::Kernel;
@@ -72,12 +72,12 @@ fn expected(law: &Law) -> (Vec<f32>, Vec<f32>) {
 
 /// Whether two numbers are the same to the bit, or both none.
 fn same(a: f32, b: f32) -> bool {
-    // Infinity is the largest number on a card.
+    // Infinity is the largest number on a GPU.
     a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan() || a == b || a.is_infinite() && b.abs() == f32::MAX
 }
 
 #[test]
-fn recorded_laws_are_the_laws_to_the_bit_and_every_branch_is_taken() {
+fn recorded_laws_match_the_laws_to_the_bit_in_every_branch() {
     for law in laws() {
         let kernel = kernel_of(&law);
         let (arguments, results) = expected(&law);
@@ -94,7 +94,7 @@ fn recorded_laws_are_the_laws_to_the_bit_and_every_branch_is_taken() {
 }
 
 #[test]
-fn what_a_store_does_not_need_is_left_out() {
+fn operations_without_a_store_are_left_out() {
     let whole = Kernel::record("whole", |scope| {
         let (x, y) = (scope.input("x"), scope.output("y"));
         let i = scope.thread();
@@ -112,7 +112,7 @@ fn what_a_store_does_not_need_is_left_out() {
 }
 
 #[test]
-fn a_law_of_lanes_one_by_one_is_refused_by_name() {
+fn a_law_evaluated_lane_by_lane_is_refused_by_name() {
     let refused = Kernel::record("table", |scope| {
         let (x, y) = (scope.input("x"), scope.output("y"));
         let i = scope.thread();

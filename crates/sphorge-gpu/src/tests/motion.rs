@@ -1,4 +1,4 @@
-//! Bodies that a deck drives on a card, beside the processor's engine.
+//! Bodies that a deck drives on a GPU, beside the processor's engine.
 
 use super::card::card;
 use super::engine::{conserves_and_repeats_text, count_steps, drifts, start_text};
@@ -71,23 +71,23 @@ fn compare(deck: &str, end: f64, near: f64) {
 }
 
 #[test]
-fn what_is_driven_in_the_reference_configuration_is_that_of_the_processor() {
+fn prescribed_motion_in_the_reference_configuration_matches_the_cpu() {
     compare(&driven(""), 8e-6, 1e-4);
 }
 
 #[test]
-fn what_is_driven_in_the_present_configuration_is_that_of_the_processor() {
+fn prescribed_motion_in_the_current_configuration_matches_the_cpu() {
     compare(&driven(PRESENT), 5e-6, 1e-4);
     compare(&driven(PRESENT_LEAPFROG), 5e-6, 1e-4);
 }
 
 #[test]
-fn the_same_bits_come_again_where_a_body_is_driven() {
+fn prescribed_motion_is_reproducible_to_the_bit() {
     conserves_and_repeats_text("driven", &driven(""), &[], 2e-6);
 }
 
 #[test]
-fn what_pushes_a_driven_particle_does_not_make_a_step_too_long() {
+fn forces_on_driven_particles_do_not_limit_the_step() {
     if card().is_none() {
         return;
     }

@@ -165,7 +165,7 @@ impl Block {
 }
 
 #[test]
-fn the_pair_loop_is_that_of_the_processor_to_the_bit() {
+fn the_pair_loop_matches_the_cpu_to_the_bit() {
     let block = Block::new(7);
     assert!(block.neighbors.len() > 30 * block.count);
     let kernel = kernel(block.count).unwrap();

@@ -1,9 +1,9 @@
-//! Periodic axes on a card, beside the processor's engine.
+//! Periodic axes on a GPU, beside the processor's engine.
 
 use super::contact::{PRESENT, RUBS, compare as compare_contact, striking};
 use super::engine::{IRON, PLATE, compare, compare_fields, conserves_and_repeats, conserves_and_repeats_text};
-use super::kept::compare as compare_searches;
 use super::renewal::{compare as compare_renewals, shipped};
+use super::verlet_lists::compare as compare_searches;
 
 /// A plate whose particles leave the cell and come in again.
 pub(super) const LEAVES: [(&str, &str); 4] = [
@@ -15,7 +15,7 @@ pub(super) const LEAVES: [(&str, &str); 4] = [
 ];
 
 #[test]
-fn sums_in_the_present_configuration_are_those_of_the_processor() {
+fn sums_in_the_current_configuration_match_the_cpu() {
     compare(PLATE.0, &LEAVES, 5e-6, 1e-4);
     let skin = [("search", "\"skin\""), ("numerics.integrator", "\"leapfrog\"")];
     compare(PLATE.0, &[&LEAVES[..], &skin].concat(), 5e-6, 1e-4);
@@ -36,7 +36,7 @@ const ON_A_FOOT: [(&str, &str); 5] = [
 ];
 
 #[test]
-fn the_default_method_is_that_of_the_processor() {
+fn the_default_method_matches_the_cpu() {
     compare(IRON.0, &ON_A_FOOT, 8e-6, 1e-4);
     // So fast that it is several cells away.
     let fast = ("body.bar.velocity", "[\"6000 m/s\", \"-300 m/s\"]");
@@ -54,13 +54,13 @@ pub(super) const JOINED: [(&str, &str); 5] = [
 ];
 
 #[test]
-fn what_comes_apart_comes_in_again_and_meets_its_images() {
+fn separated_parts_are_wrapped_and_meet_their_images() {
     compare_renewals(shipped(IRON.0), &JOINED, 12e-6, 1, (1e-4, 3e-4));
     conserves_and_repeats_text(IRON.0, shipped(IRON.0), &JOINED, 8e-6);
 }
 
 #[test]
-fn the_adaptive_search_is_that_of_the_processor() {
+fn the_adaptive_search_matches_the_cpu() {
     let fast = ("body.plate.velocity", "[\"300 m/s\", \"-200 m/s\"]");
     let leapfrog = ("numerics.integrator", "\"leapfrog\"");
     for search in ["\"adaptive\"", "{ adaptive = { guard = \"none\" } }"] {
@@ -77,7 +77,7 @@ pub(super) const ACROSS: [(&str, &str); 2] =
     [("periodic", "{ x = [\"-4 mm\", \"5 mm\"] }"), ("body.upper.velocity", "[\"300 m/s\", \"-120 m/s\"]")];
 
 #[test]
-fn bodies_that_meet_across_the_ends_are_those_of_the_processor() {
+fn bodies_in_contact_across_the_ends_match_the_cpu() {
     let text = striking(&format!("{PRESENT}\n{RUBS}"));
     compare_contact(&text, &ACROSS, 7e-6, 2e-4);
     let leapfrog = ("numerics.integrator", "\"leapfrog\"");

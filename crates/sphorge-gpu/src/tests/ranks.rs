@@ -1,13 +1,13 @@
-//! Several cards that share the particles of a run: to the bit what one card computes. Ranks are threads here.
+//! Several GPUs that share the particles of a run: to the bit what one GPU computes. Ranks are threads here.
 
 use super::card::card;
 use super::contact::{CONDUCT, PRESENT, RUBS, in_space, slabs, striking};
 use super::engine::{IRON, components, start_text};
 use super::facet_contact;
-use super::kept::BULLET;
 use super::periodic::{ACROSS, JOINED, LEAVES};
 use super::renewal::PULLED;
 use super::self_contact::{BLOCKS, closing};
+use super::verlet_lists::BULLET;
 use crate::Gpu;
 use sphorge_deck::{Setup, decks, load_text};
 use sphorge_engine::model::{Extremum, ParticleSelection};
@@ -69,7 +69,7 @@ impl RankFiles for Deck<'_> {
     }
 }
 
-/// What the first of some cards makes of them.
+/// What the first of some GPUs makes of them.
 fn led<T>(deck: Deck<'_>, ranks: usize, lead: impl FnOnce(&Leader) -> T) -> T {
     let kind: Arc<dyn PartKind> = Arc::new(Gpu::default());
     let mut communicators = threads(ranks);
@@ -97,7 +97,7 @@ fn run(simulation: &mut Simulation, steps: u64) -> Vec<(f64, u64, Option<Audit>)
     told
 }
 
-/// What must be the same on any number of cards.
+/// What must be the same on any number of GPUs.
 fn assert_same(found: &Simulation, expected: &Simulation, what: &str) {
     assert_eq!(found.time(), expected.time(), "{what}");
     for ((name, found), (_, expected)) in fields(found).iter().zip(&fields(expected)) {
@@ -130,7 +130,7 @@ fn assert_same(found: &Simulation, expected: &Simulation, what: &str) {
     }
 }
 
-/// Compares so many steps on each number of ranks with one card.
+/// Compares so many steps on each number of ranks with one GPU.
 fn compare(deck: Deck<'_>, steps: u64, ranks: &[usize]) {
     if card().is_none() {
         return;
@@ -138,8 +138,8 @@ fn compare(deck: Deck<'_>, steps: u64, ranks: &[usize]) {
     let mut alone = deck.start(&Gpu::default());
     let told = run(&mut alone, steps);
     for ranks in ranks {
-        led(deck, *ranks, |leader| {
-            let mut simulation = deck.start(leader);
+        led(deck, *ranks, |root| {
+            let mut simulation = deck.start(root);
             assert_eq!(run(&mut simulation, steps), told, "{ranks} ranks, {}", deck.name);
             assert_same(&simulation, &alone, &format!("{ranks} ranks, {}", deck.name));
         });
@@ -157,7 +157,7 @@ fn a_search_every_step() {
 }
 
 #[test]
-fn lists_that_are_kept() {
+fn verlet_lists_on_ranks() {
     // The bullet meets the plate; particles of both are with both ranks.
     let far = [("body.bullet.velocity", "[\"0 m/s\", \"0 m/s\", \"-2000 m/s\"]"), ("search", "\"skin\"")];
     compare(Deck::shipped("bullet", &[&BULLET[..], &far].concat()), 40, &[2]);
@@ -186,7 +186,7 @@ fn a_periodic_axis_by_the_default_method_and_with_contact() {
 }
 
 #[test]
-fn smoothing_lengths_that_follow_the_density_in_lists_that_are_kept() {
+fn variable_smoothing_lengths_in_verlet_lists() {
     let skin = [("search", "\"skin\""), ("numerics.smoothing-length", "\"follow-density\"")];
     let disc = [("particles.spacing", "\"0.8 mm\""), ("time.courant", "0.1"), skin[0], skin[1]];
     compare(Deck::shipped("penetration", &disc), 60, &[2]);
@@ -195,7 +195,7 @@ fn smoothing_lengths_that_follow_the_density_in_lists_that_are_kept() {
 }
 
 #[test]
-fn bodies_that_meet_at_facets() {
+fn bodies_in_contact_at_facets() {
     let text = striking(facet_contact::RUBS);
     compare(Deck { name: "striking", text: &text, overrides: &CONDUCT }, 120, &[3]);
     let text = in_space(facet_contact::RUBS);
@@ -203,7 +203,7 @@ fn bodies_that_meet_at_facets() {
 }
 
 #[test]
-fn nine_bodies_that_meet() {
+fn nine_bodies_in_contact() {
     let text = slabs(RUBS);
     compare(Deck { name: "slabs", text: &text, overrides: &[] }, 60, &[3]);
 }
@@ -216,7 +216,7 @@ fn the_default_method() {
 }
 
 #[test]
-fn bodies_that_meet() {
+fn bodies_in_contact() {
     let text = striking(RUBS);
     compare(Deck { name: "striking", text: &text, overrides: &CONDUCT }, 250, &[3]);
     let text = in_space(&format!("{PRESENT}\n{RUBS}"));
@@ -224,7 +224,7 @@ fn bodies_that_meet() {
 }
 
 #[test]
-fn bodies_that_come_near_each_other_need_room_for_more_ghosts() {
+fn approaching_bodies_need_capacity_for_more_ghosts() {
     if card().is_none() {
         return;
     }
@@ -242,8 +242,8 @@ fn bodies_that_come_near_each_other_need_room_for_more_ghosts() {
         let deck = Deck { name: "plates", text: &text, overrides: &[] };
         let mut alone = deck.start(&Gpu::default());
         run(&mut alone, 70);
-        led(deck, 2, |leader| {
-            let mut simulation = deck.start(leader);
+        led(deck, 2, |root| {
+            let mut simulation = deck.start(root);
             let before = simulation.memory_bytes();
             run(&mut simulation, 70);
             assert!(simulation.memory_bytes() > before, "there is room for all ghosts from the start");
@@ -259,7 +259,7 @@ fn a_body_that_meets_itself() {
 }
 
 #[test]
-fn a_body_that_comes_apart() {
+fn a_body_that_separates() {
     let renewal = [("search.total-lagrangian.renewal", "1.2")];
     compare(Deck { name: "pulled", text: PULLED, overrides: &renewal }, 200, &[2]);
     let text = closing(BLOCKS, &format!("{RUBS}\nsearch = {{ total-lagrangian = {{ renewal = 1.2 }} }}"));
@@ -293,10 +293,10 @@ fn a_state_is_the_same_whoever_has_saved_it() {
         let mut archive = MemoryArchive::new();
         alone.persist(&mut archive).unwrap();
         run(&mut alone, end);
-        // Of one card, taken by two ranks, whose state is taken by three, whose is taken by one card.
+        // Of one GPU, taken by two ranks, whose state is taken by three, whose is taken by one GPU.
         for ranks in [2, 3] {
-            archive = led(deck, ranks, |leader| {
-                let mut simulation = deck.start(leader);
+            archive = led(deck, ranks, |root| {
+                let mut simulation = deck.start(root);
                 simulation.persist(&mut archive.to_load()).unwrap();
                 assert_eq!(simulation.steps(), half);
                 let mut saved = MemoryArchive::new();
@@ -335,7 +335,7 @@ fn a_failure_is_that_of_the_rank_that_has_the_particle() {
     let alone = fails(&Gpu::default());
     assert!(alone.particle.is_some(), "{alone}");
     for ranks in [2, 3] {
-        assert_eq!(led(deck, ranks, |leader| fails(leader)), alone);
+        assert_eq!(led(deck, ranks, |root| fails(root)), alone);
     }
 }
 

@@ -1,4 +1,4 @@
-//! Bodies that come apart on a card, whose reference configuration is renewed, beside the processor's engine.
+//! Bodies that separate on a GPU, whose reference configuration is renewed, beside the processor's engine.
 
 use super::card::card;
 use super::engine::{IRON, components, count_steps, drifts, repeats_and_conserves_to, start_text};
@@ -86,7 +86,7 @@ pub(super) fn compare(text: &str, overrides: &[(&str, &str)], end: f64, least: u
 }
 
 #[test]
-fn a_strip_that_is_pulled_apart_is_that_of_the_processor() {
+fn a_strip_that_is_pulled_apart_matches_the_cpu() {
     let renewal = [("search.total-lagrangian.renewal", "1.3")];
     compare(PULLED, &renewal, 40e-6, 2, (3e-5, 3e-5));
     // A metre from the origin, where single precision alone knows places to 0.06 um.
@@ -95,13 +95,13 @@ fn a_strip_that_is_pulled_apart_is_that_of_the_processor() {
 }
 
 #[test]
-fn a_melt_comes_apart_as_on_the_processor() {
+fn a_melt_separates_as_on_the_cpu() {
     let melted = [IRON.1[0], IRON.1[1], ("body.bar.temperature", "\"1900 K\"")];
     compare(shipped(IRON.0), &melted, 20e-6, 2, (1e-4, 3e-4));
 }
 
 #[test]
-fn a_foot_whose_reference_is_renewed_is_that_of_the_processor() {
+fn a_foot_whose_reference_is_renewed_matches_the_cpu() {
     let renewal = ("search.total-lagrangian.renewal", "1.1");
     compare(shipped(IRON.0), &[IRON.1[0], IRON.1[1], renewal], 8e-6, 1, (1e-4, 3e-4));
     let quarter = [("particles.spacing", "\"0.95 mm\""), renewal];
@@ -109,7 +109,7 @@ fn a_foot_whose_reference_is_renewed_is_that_of_the_processor() {
 }
 
 #[test]
-fn debris_of_an_impact_is_that_of_the_processor() {
+fn debris_of_an_impact_matches_the_cpu() {
     let disc = [
         ("method", "\"total-lagrangian\""),
         ("search", "\"total-lagrangian\""),
@@ -119,12 +119,12 @@ fn debris_of_an_impact_is_that_of_the_processor() {
     compare(shipped("penetration"), &disc, 2e-6, 2, (1e-4, 3e-4));
 }
 
-/// Half of a drop that splashes on a wall. It comes apart, and its particles pass the plane.
+/// Half of a drop that splashes on a wall. It separates, and its particles pass the plane.
 const SPLASH: &str = include_str!("../../../sphorge/tests/physics/splash.toml");
 
 #[test]
-fn what_passes_a_symmetry_plane_meets_the_images_of_the_processor() {
-    // Cards compute pairs in single precision. Later the last bit decides where a drop goes.
+fn particles_beyond_a_symmetry_plane_match_the_cpu() {
+    // GPUs compute pairs in single precision. Later the last bit decides where a drop goes.
     let mixed = [("numerics.precision", "\"mixed\"")];
     compare(SPLASH, &mixed, 200e-6, 4, (1e-3, 1e-2));
 }
@@ -160,7 +160,7 @@ fn rubber_has_the_stress_and_energy_of_the_processor() {
 }
 
 #[test]
-fn what_comes_apart_keeps_the_energy_its_contact_held() {
+fn separated_bodies_keep_the_energy_of_their_contact() {
     come_apart_and_keep(RUBS, 3e-4);
     // What facets held becomes heat of the particles that press, on processors of all that were near: fields differ.
     come_apart_and_keep(facet_contact::RUBS, f64::INFINITY);
@@ -168,7 +168,7 @@ fn what_comes_apart_keeps_the_energy_its_contact_held() {
 
 fn come_apart_and_keep(contact: &str, of_fields: f64) {
     let text = closing(BLOCKS, &format!("{contact}\nsearch = {{ total-lagrangian = {{ renewal = 1.2 }} }}"));
-    // A third part strikes when the first two have come apart: no contact of the body with itself is left, as it is in the sums from the next renewal on.
+    // A third part strikes when the first two have separated: no contact of the body with itself is left, as it is in the sums from the next renewal on.
     let third = ", { box = { min = [\"-3 mm\", \"-14 mm\"], max = [\"3 mm\", \"-9.2 mm\"] } }] }";
     let faster = "rows = [[\"-8 mm\", -3.0], [\"-7 mm\", -1.0], [\"-1 mm\"";
     let text = text.replace("] } }] }", &format!("] }} }}{third}")).replace("rows = [[\"-1 mm\"", faster);
@@ -176,7 +176,7 @@ fn come_apart_and_keep(contact: &str, of_fields: f64) {
 }
 
 #[test]
-fn the_same_bits_come_again_from_a_state_after_a_renewal_and_from_one_before() {
+fn states_before_and_after_a_renewal_resume_to_the_same_bits() {
     if card().is_none() {
         return;
     }

@@ -6,8 +6,8 @@ use crate::evaluate::{Evaluation, Units};
 use crate::record::{Binary, Kernel, Operation, Statement, Value};
 use std::collections::HashMap;
 
-/// What a card may round away of a law, as a share of the larger of a result and [`FLOOR`] times the largest result of its kind: elementary
-/// functions of cards are good to some units of round-off, and powers to some more.
+/// What a GPU may round away of a law, as a share of the larger of a result and [`FLOOR`] times the largest result of its kind: elementary
+/// functions of GPUs are good to some units of round-off, and powers to some more.
 const ROUNDING: f32 = 1e-4;
 const FLOOR: f32 = 1e-3;
 
@@ -16,7 +16,7 @@ const FLOOR: f32 = 1e-3;
 const ROUNDING_OF_SLOPES: f32 = 5e-4;
 
 /// Where a result is farther off than that, the law may be one that magnifies rounding at these arguments: a difference of numbers that are nearly the
-/// same, an edge that runs along another. It is evaluated so often, with operations that each round at random as far as those of cards may: compilers may
+/// same, an edge that runs along another. It is evaluated so often, with operations that each round at random as far as those of GPUs may: compilers may
 /// fuse sums and products, quotients and roots are good to two units, functions to some. The result may be off by twice as much again as the farthest of
 /// these.
 const EVALUATIONS: u32 = 32;
@@ -131,7 +131,7 @@ fn evaluated(statements: &[Statement], all: &mut Vec<Value>) {
 }
 
 #[test]
-fn other_rounding_is_allowed_and_a_wrong_sign_is_not() {
+fn differences_by_rounding_are_accepted_and_a_wrong_sign_is_not() {
     let laws = laws();
     let asked = ["moving least squares, 3", "contact of facets", "friction of facets", "gradient correction"];
     for law in laws.iter().filter(|law| asked.contains(&law.name.as_str())) {

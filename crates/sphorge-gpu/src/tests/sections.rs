@@ -1,4 +1,4 @@
-//! Forces through sections on a card, beside the processor's engine.
+//! Forces through sections on a GPU, beside the processor's engine.
 
 use super::card::card;
 use super::contact::{RUBS, striking};
@@ -34,7 +34,7 @@ fn compare(deck: &str, overrides: &[(&str, &str)], end: f64, near: f64) {
 }
 
 #[test]
-fn the_force_through_a_strip_that_is_pulled_is_that_of_the_processor() {
+fn the_force_through_a_strip_that_is_pulled_matches_the_cpu() {
     compare("pulled", &[("particles.spacing", "\"1 mm\"")], 20e-6, 1e-3);
 }
 

@@ -1,4 +1,4 @@
-//! A body that meets itself on a card, beside the processor's engine.
+//! A body that meets itself on a GPU, beside the processor's engine.
 
 use super::card::card;
 use super::engine::{conserves_and_repeats_text, count_steps, drifts, start_text};
@@ -77,22 +77,22 @@ pub(super) fn compare(deck: &str, end: f64, near: f64) {
 }
 
 #[test]
-fn parts_of_a_body_that_strike_are_those_of_the_processor() {
+fn parts_of_a_body_that_strike_match_the_cpu() {
     compare(&closing(BLOCKS, RUBS), 15e-6, 2e-4);
 }
 
 #[test]
-fn the_same_bits_come_again_from_a_state_that_is_pressed() {
+fn a_state_under_contact_resumes_to_the_same_bits() {
     conserves_and_repeats_text("closing", &closing(BLOCKS, RUBS), &[], 11e-6);
 }
 
 #[test]
-fn a_body_that_strikes_its_image_is_that_of_the_processor() {
+fn a_body_that_strikes_its_image_matches_the_cpu() {
     compare(&closing(UPPER, &format!("{STIFF}\n{PLANE}")), 15e-6, 2e-4);
 }
 
 #[test]
-fn arms_of_a_hairpin_meet_as_on_the_processor() {
+fn arms_of_a_hairpin_meet_as_on_the_cpu() {
     compare(&closing(HAIRPIN, ""), 40e-6, 1e-3);
 }
 
@@ -114,6 +114,6 @@ pub(super) fn in_space(text: &str) -> String {
 }
 
 #[test]
-fn parts_in_space_are_those_of_the_processor() {
+fn parts_in_space_match_the_cpu() {
     compare(&in_space(&closing(BLOCKS, RUBS)), 13e-6, 5e-4);
 }

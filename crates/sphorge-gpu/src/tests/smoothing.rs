@@ -1,11 +1,11 @@
-//! Smoothing lengths that follow the density on a card, beside the processor's engine.
+//! Smoothing lengths that follow the density on a GPU, beside the processor's engine.
 
 use super::card::card;
 use super::contact::{PRESENT, RUBS, compare as compare_contact, striking};
 use super::engine::{
     PLATE, compare, components, conserves_and_repeats, conserves_and_repeats_text, count_steps, start,
 };
-use super::kept::compare as compare_searches;
+use super::verlet_lists::compare as compare_searches;
 use crate::Gpu;
 use sphorge_engine::persist::MemoryArchive;
 use sphorge_engine::{FieldSource, Simulation};
@@ -16,7 +16,7 @@ const SKIN: [(&str, &str); 2] = [("search", "\"skin\""), ("numerics.integrator",
 const DISC: [(&str, &str); 3] = [("particles.spacing", "\"0.8 mm\""), ("time.courant", "0.1"), FOLLOWS];
 
 #[test]
-fn with_a_search_every_step_they_are_those_of_the_processor() {
+fn with_a_search_every_step_they_match_the_cpu() {
     compare(PLATE.0, &[PLATE.1[0], FOLLOWS, ("wall.0.contact", "\"monaghan-kos\"")], 5e-6, 1e-4);
     compare("penetration", &[&DISC[..], &[("search", "\"every-step\"")]].concat(), 1.5e-6, 1e-4);
     conserves_and_repeats(PLATE.0, &[PLATE.1[0], FOLLOWS], 2e-6);

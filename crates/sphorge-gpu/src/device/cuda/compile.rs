@@ -1,4 +1,4 @@
-//! CUDA C++ compiled for a card.
+//! CUDA C++ compiled for a GPU.
 
 use super::library::Versions;
 use cudarc::nvrtc::{result, sys};
@@ -9,14 +9,14 @@ use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 /// What code is made for.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Architecture {
-    /// This card.
+    /// This GPU.
     Own(i32),
-    /// The newest that the compiler knows, older than the card: the driver compiles the rest of the way.
+    /// The newest that the compiler knows, older than the GPU: the driver compiles the rest of the way.
     Older(i32),
 }
 
 impl Architecture {
-    /// That of a card of a compute capability, ten times it, for the compiler at hand.
+    /// That of a GPU of a compute capability, ten times it, for the compiler at hand.
     pub(super) fn of(capability: i32) -> Result<Self, String> {
         let known = known()?;
         if known.contains(&capability) {

@@ -1,4 +1,4 @@
-//! The context of a card, and what is made in it.
+//! The context of a GPU, and what is made in it.
 
 use cudarc::driver::result::{self, DriverError};
 use cudarc::driver::sys::{self, CUcontext, CUdevice, CUdeviceptr, CUevent, CUfunction, CUmodule, CUstream};
@@ -10,12 +10,12 @@ use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 /// history row and the frame beside it need two.
 const KEPT_BLOCKS: usize = 2;
 
-/// Contexts of the cards of this process, by device, as numbers. They are retained once and until it ends: where one engine follows another, the last
+/// Contexts of the GPUs of this process, by device, as numbers. They are retained once and until it ends: where one engine follows another, the last
 /// release would destroy a context that is still the current one of other threads, while another engine asks for it anew. On an H200
 /// processes with engines on two threads ended by a segmentation fault then.
 static RETAINED: LazyLock<Mutex<HashMap<CUdevice, usize>>> = LazyLock::new(Mutex::default);
 
-/// The context of a card.
+/// The context of a GPU.
 fn retained(device: CUdevice) -> Result<CUcontext, DriverError> {
     let mut retained = RETAINED.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(&context) = retained.get(&device) {
@@ -95,7 +95,7 @@ impl Context {
         }
     }
 
-    /// Free and all memory of the card, bytes.
+    /// Free and all memory of the GPU, bytes.
     pub(super) fn memory(&self) -> Result<(usize, usize), DriverError> {
         self.enter()?;
         result::mem_get_info()
@@ -104,7 +104,7 @@ impl Context {
 
 impl Drop for Context {
     fn drop(&mut self) {
-        // There is nobody to tell of a card that is lost by now.
+        // There is nobody to tell of a GPU that is lost by now.
         let _ = self.enter();
         for memory in self.page_locked.get_mut().unwrap_or_else(PoisonError::into_inner).drain(..) {
             // SAFETY: taken in `page_locked`, and nobody has it.
@@ -118,7 +118,7 @@ impl Drop for Context {
 }
 
 /// What the driver says of an error.
-pub(super) fn told(error: DriverError) -> String {
+pub(super) fn described(error: DriverError) -> String {
     let text = |of: Result<&std::ffi::CStr, DriverError>| of.map(|text| text.to_string_lossy().into_owned()).ok();
     match (text(error.error_string()), text(error.error_name())) {
         (Some(string), Some(name)) => format!("{string} ({name})"),
@@ -126,7 +126,7 @@ pub(super) fn told(error: DriverError) -> String {
     }
 }
 
-/// Memory of a card.
+/// Memory of a GPU.
 #[derive(Debug)]
 pub(in crate::device) struct Block {
     context: Arc<Context>,
@@ -181,8 +181,8 @@ pub(super) struct HostCopy {
 unsafe impl Send for HostCopy {}
 
 impl HostCopy {
-    /// Room for so many bytes, more than none; none where there is no page-locked memory for it.
-    pub(super) fn room(context: &Arc<Context>, bytes: usize) -> Result<Option<Self>, DriverError> {
+    /// Memory for so many bytes, more than none; none where there is no page-locked memory for it.
+    pub(super) fn reserve(context: &Arc<Context>, bytes: usize) -> Result<Option<Self>, DriverError> {
         context.enter()?;
         let new = |memory| Self { context: context.clone(), memory: Some(memory), filled: 0, done: None };
         Ok(context.page_locked(bytes).map(new))
@@ -245,7 +245,7 @@ impl Drop for Block {
     }
 }
 
-/// Code on a card.
+/// Code on a GPU.
 #[derive(Debug)]
 pub(super) struct Function {
     context: Arc<Context>,
@@ -259,7 +259,7 @@ unsafe impl Send for Function {}
 unsafe impl Sync for Function {}
 
 impl Function {
-    /// Loads a kernel of code that was compiled for this card.
+    /// Loads a kernel of code that was compiled for this GPU.
     pub(super) fn load(context: &Arc<Context>, name: &str, code: &[u8]) -> Result<Self, DriverError> {
         context.enter()?;
         // SAFETY: the code is what the compiler gave, with its own end.

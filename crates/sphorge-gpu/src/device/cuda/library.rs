@@ -1,6 +1,6 @@
 //! The driver of NVIDIA and its compiler: libraries that are there or not, looked for before anything of them is called.
 
-use super::context::told;
+use super::context::described;
 use crate::device::{Interface, Missing};
 use cudarc::driver::{result, sys};
 use cudarc::nvrtc;
@@ -35,14 +35,15 @@ pub(super) fn reach() -> Result<Versions, Missing> {
 }
 
 fn driver() -> Result<(i32, i32), Missing> {
-    // SAFETY: loading a driver runs its start-up code, as every program on cards does.
+    // SAFETY: loading a driver runs its start-up code, as every program on GPUs does.
     if !unsafe { sys::is_culib_present() } {
         return Err(missing(
             "NVIDIA's driver is not installed (libcuda.so.1, nvcuda.dll)".to_owned(),
             "install the driver of the card; a container has to be started with the card (`docker run --gpus all`)",
         ));
     }
-    let failed = |what: &str, error: result::DriverError| missing(format!("{what}: {}", told(error)), cure_of(error));
+    let failed =
+        |what: &str, error: result::DriverError| missing(format!("{what}: {}", described(error)), cure_of(error));
     result::init().map_err(|error| failed("NVIDIA's driver does not start", error))?;
     let count = result::device::get_count()
         .map_err(|error| failed("NVIDIA's driver does not report the number of its cards", error))?;

@@ -1,15 +1,15 @@
-//! Cards that NVIDIA's CUDA driver reaches. Nothing of CUDA is needed to build or to start the program: driver and compiler are loaded where they are there.
+//! GPUs that NVIDIA's CUDA driver reaches. Nothing of CUDA is needed to build or to start the program: driver and compiler are loaded where they are there.
 
 mod compile;
 mod context;
 mod library;
 
-use super::trouble::Trouble;
+use super::deferred_error::DeferredError;
 use super::{CardFault, Found, Interface, Memory, Missing};
 use crate::record::Kernel;
 use crate::source::WORKGROUP;
 use compile::{Architecture, advice, compile};
-use context::{Context, Event, Function, HostCopy, told};
+use context::{Context, Event, Function, HostCopy, described};
 use cudarc::driver::result::{self, DriverError};
 use cudarc::driver::sys::{self, CUdevice, CUdevice_attribute};
 use library::Versions;
@@ -22,15 +22,15 @@ pub use library::NVRTC_FOLDER;
 /// Numbers that a thread touches at a time.
 const TOUCHED: usize = 1 << 18;
 
-/// A card that is open.
+/// A GPU that is open.
 #[derive(Debug)]
 pub(super) struct Cuda {
     name: String,
     versions: Versions,
     architecture: Architecture,
     context: Arc<Context>,
-    /// The first thing that went wrong with a launch or a copy. They are told when they are waited for.
-    trouble: Trouble,
+    /// The first thing that went wrong with a launch or a copy. They are reported by the next wait.
+    deferred_error: DeferredError,
 }
 
 /// A kernel with its memory.
@@ -41,7 +41,7 @@ pub(super) struct Bound {
     threads: u32,
 }
 
-/// A kernel compiled for a card.
+/// A kernel compiled for a GPU.
 #[derive(Clone, Debug)]
 pub(super) struct Compiled {
     function: Arc<Function>,
@@ -49,7 +49,7 @@ pub(super) struct Compiled {
     buffers: usize,
 }
 
-/// A card by its number, and what it is.
+/// A GPU by its number, and what it is.
 pub(super) struct Candidate {
     number: i32,
     pub(super) found: Found,
@@ -71,15 +71,15 @@ fn capability(device: CUdevice) -> Result<i32, DriverError> {
     Ok(10 * major + minor)
 }
 
-/// Every card that driver and compiler serve, in the driver's order, which is the fastest first.
+/// Every GPU that driver and compiler serve, in the driver's order, which is the fastest first.
 ///
 /// # Errors
-/// There is no driver, no card or no compiler.
+/// There is no driver, no GPU or no compiler.
 pub(super) fn candidates() -> Result<Vec<Candidate>, Missing> {
     let versions = library::reach()?;
     let silent = |error: DriverError| Missing {
         interface: Interface::Cuda,
-        why: format!("NVIDIA's driver does not list its cards: {}", told(error)),
+        why: format!("NVIDIA's driver does not list its cards: {}", described(error)),
         cure: "see what `nvidia-smi` says".to_owned(),
     };
     let candidate = |number: i32| -> Result<Option<Candidate>, DriverError> {
@@ -87,7 +87,7 @@ pub(super) fn candidates() -> Result<Vec<Candidate>, Missing> {
         // SAFETY: the device is one the driver has given.
         let total = unsafe { result::device::total_mem(of) }? as u64;
         let capability = capability(of)?;
-        // Cards that the compiler does not know are left to other routes.
+        // GPUs that the compiler does not know are left to other routes.
         if Architecture::of(capability).is_err() {
             return Ok(None);
         }
@@ -112,7 +112,7 @@ pub(super) fn candidates() -> Result<Vec<Candidate>, Missing> {
         Ok(Some(Candidate { number, found }))
     };
     let count = result::device::get_count().map_err(silent)?;
-    // One card that does not answer hides no other.
+    // One GPU that does not answer hides no other.
     let (known, silent_ones): (Vec<_>, Vec<_>) = (0..count).map(candidate).partition(Result::is_ok);
     let known: Vec<Candidate> = known.into_iter().flatten().flatten().collect();
     match silent_ones.into_iter().find_map(Result::err) {
@@ -129,13 +129,13 @@ pub(super) fn candidates() -> Result<Vec<Candidate>, Missing> {
 impl Candidate {
     pub(super) fn open(&self) -> Result<Cuda, CardFault> {
         let refused = |why: String| CardFault::DoesNotOpen { name: self.found.name.clone(), why };
-        let by_driver = |error: DriverError| refused(told(error));
+        let by_driver = |error: DriverError| refused(described(error));
         let device = device(self.number).map_err(by_driver)?;
         let versions = library::reach().map_err(|missing| refused(missing.why))?;
         let architecture = Architecture::of(capability(device).map_err(by_driver)?).map_err(refused)?;
         let context = Context::new(device).map_err(by_driver)?;
         let name = self.found.name.clone();
-        Ok(Cuda { name, versions, architecture, context, trouble: Trouble::default() })
+        Ok(Cuda { name, versions, architecture, context, deferred_error: DeferredError::default() })
     }
 }
 
@@ -151,7 +151,7 @@ impl Cuda {
             (sys::CUresult::CUDA_ERROR_OUT_OF_MEMORY, Some(Memory { total, free: Some(free) })) => {
                 format!("{free} of its {total} bytes are free")
             }
-            _ => told(error),
+            _ => described(error),
         })
     }
 
@@ -162,7 +162,7 @@ impl Cuda {
     pub(super) fn compile(&self, kernel: &Kernel, text: &str) -> Result<Compiled, String> {
         let code = compile(&kernel.name, text, &self.architecture)?;
         let function = Function::load(&self.context, &kernel.name, &code)
-            .map_err(|error| format!("{}{}", told(error), advice(self.versions)))?;
+            .map_err(|error| format!("{}{}", described(error), advice(self.versions)))?;
         Ok(Compiled { function: Arc::new(function), buffers: kernel.buffers.len() })
     }
 
@@ -179,9 +179,9 @@ impl Cuda {
         }
     }
 
-    /// Seconds that what is launched takes on the card.
+    /// Seconds that what is launched takes on the GPU.
     pub(super) fn time(&self, launch: impl FnOnce()) -> Result<f64, CardFault> {
-        let lost = |error| self.lost(&told(error));
+        let lost = |error| self.lost(&described(error));
         let start = Event::now(&self.context).map_err(lost)?;
         launch();
         let end = Event::now(&self.context).map_err(lost)?;
@@ -193,23 +193,23 @@ impl Cuda {
         // Memory that has just been taken is provided page by page when it is touched: on all threads, not on the one that the driver copies by.
         numbers.par_chunks_mut(TOUCHED).for_each(|numbers| numbers.fill(0.0));
         let read = block.read(bytemuck::cast_slice_mut(&mut numbers));
-        if let Some(why) = self.trouble.first() {
+        if let Some(why) = self.deferred_error.first() {
             return Err(self.lost(&why));
         }
-        read.map_err(|error| self.lost(&told(error)))?;
+        read.map_err(|error| self.lost(&described(error)))?;
         Ok(numbers)
     }
 
-    /// Room for so many numbers that are copied back while the card goes on; none where there is no memory for it.
-    pub(super) fn room(&self, count: usize) -> Result<Option<Copying>, CardFault> {
-        let copy = HostCopy::room(&self.context, 4 * count).map_err(|error| self.lost(&told(error)))?;
-        let (name, trouble) = (self.name.clone(), self.trouble.clone());
-        Ok(copy.map(|copy| Copying { name, trouble, copy, count: 0 }))
+    /// Memory for so many numbers that are copied back while the GPU goes on; none where there is no memory for it.
+    pub(super) fn reserve(&self, count: usize) -> Result<Option<Copying>, CardFault> {
+        let copy = HostCopy::reserve(&self.context, 4 * count).map_err(|error| self.lost(&described(error)))?;
+        let (name, deferred_error) = (self.name.clone(), self.deferred_error.clone());
+        Ok(copy.map(|copy| Copying { name, deferred_error, copy, count: 0 }))
     }
 
     fn note(&self, done: Result<(), DriverError>) {
         if let Err(error) = done {
-            self.trouble.keep(told(error));
+            self.deferred_error.keep(described(error));
         }
     }
 
@@ -218,11 +218,11 @@ impl Cuda {
     }
 }
 
-/// Numbers on their way from a card.
+/// Numbers on their way from a GPU.
 #[derive(Debug)]
 pub(super) struct Copying {
     name: String,
-    trouble: Trouble,
+    deferred_error: DeferredError,
     copy: HostCopy,
     count: usize,
 }
@@ -232,14 +232,14 @@ impl Copying {
     pub(super) fn add(&mut self, block: &Block, count: usize) {
         self.count += count;
         if let Err(error) = self.copy.add(block, 4 * count) {
-            self.trouble.keep(told(error));
+            self.deferred_error.keep(described(error));
         }
     }
 
     /// Nothing is added any more.
     pub(super) fn close(&mut self) {
         if let Err(error) = self.copy.close() {
-            self.trouble.keep(told(error));
+            self.deferred_error.keep(described(error));
         }
     }
 
@@ -248,10 +248,10 @@ impl Copying {
         let lost = |why: String| CardFault::Lost { name: self.name.clone(), why };
         let mut numbers = vec![0.0f32; self.count];
         let copied = self.copy.wait(bytemuck::cast_slice_mut(&mut numbers));
-        if let Some(why) = self.trouble.first() {
+        if let Some(why) = self.deferred_error.first() {
             return Err(lost(why));
         }
-        copied.map_err(|error| lost(told(error)))?;
+        copied.map_err(|error| lost(described(error)))?;
         Ok(numbers)
     }
 }

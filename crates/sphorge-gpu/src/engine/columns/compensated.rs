@@ -3,7 +3,7 @@
 use crate::device::{Card, CardFault};
 use crate::record::{Index, Kernel, Recorded};
 
-/// A number and its rest after an addition, keeping the rounding error (Knuth's two-sum).
+/// A number and its low part after an addition, keeping the rounding error (Knuth's two-sum).
 pub(in crate::engine) fn added([high, low]: [Recorded; 2], value: Recorded) -> [Recorded; 2] {
     let value = (value + low).rounded();
     let sum = (high + value).rounded();
@@ -11,7 +11,7 @@ pub(in crate::engine) fn added([high, low]: [Recorded; 2], value: Recorded) -> [
     [sum, (high - (sum - back).rounded()) + (value - back)]
 }
 
-/// Whether the compiler of a card preserves the rounding error of a sum: one that assumes exact arithmetic optimises it
+/// Whether the compiler of a GPU preserves the rounding error of a sum: one that assumes exact arithmetic optimises it
 /// to zero.
 pub(in crate::engine) fn keeps_rests(card: &Card) -> Result<bool, CardFault> {
     let kernel = Kernel::record("keeps_rests", |scope| {

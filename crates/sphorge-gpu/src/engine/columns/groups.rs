@@ -107,7 +107,7 @@ macro_rules! groups {
             $({ $($field:ident: $kind:ident $([$n:literal])?),* $(,)? })?;
     )*) => {
         /// A group of one or more contiguous columns. Numbers that a step adds to have the remainder of their rounding
-        /// in a column of its own, called the rest.
+        /// in a column of its own, called the low part.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub(in crate::engine) enum Group {
             $($(#[$doc])* $name $(($index))?,)*
@@ -139,11 +139,11 @@ macro_rules! groups {
 }
 
 groups! {
-    /// Position, m, and its rest.
+    /// Position, m, and its low part.
     Place: particles { position: CompensatedVector };
     /// The same at the start of the step.
     BasePlace: particles if predicts { position: CompensatedVector };
-    /// Velocity, m/s, and its rest.
+    /// Velocity, m/s, and its low part.
     Velocity: particles { velocity: CompensatedVector };
     /// The same at the start of the step, and the acceleration it was predicted with, m/s².
     BaseVelocity: particles if predicts { velocity: CompensatedVector, acceleration: VectorColumns };
@@ -151,7 +151,7 @@ groups! {
     Evaluated: particles { velocity: VectorColumns };
     /// Velocity minus that, m/s.
     Ahead: particles if leaps { velocity: VectorColumns };
-    /// Density, kg/m³, and its rest.
+    /// Density, kg/m³, and its low part.
     Density: particles { density: Compensated };
     /// The same at the start of the step.
     BaseDensity: particles if predicts { density: Compensated };
@@ -161,7 +161,7 @@ groups! {
     Gradient: particles { velocity_gradient: TensorColumns };
     /// Weight of the particle in the sums of its neighbours, and their number.
     Weight: particles { weight: Number, neighbors: Number, factor: Number };
-    /// Specific internal energy, J/kg, its rest, its rate, W/kg, and the parts of the rate due to pair viscosity,
+    /// Specific internal energy, J/kg, its low part, its rate, W/kg, and the parts of the rate due to pair viscosity,
     /// artificial stress and hourglass springs.
     Energy: particles {
         energy: Compensated,
@@ -183,16 +183,16 @@ groups! {
     Deviator: particles { deviator: SymmetricColumns };
     /// Pressure, Pa, sound speed, m/s, and shear modulus, Pa.
     Pressure: particles { pressure: Number, sound_speed: Number, shear_modulus: Number };
-    /// Plastic strain and its rest, its last increment, yield stress, Pa, plastic work, J/kg, and its rest.
+    /// Plastic strain and its low part, its last increment, yield stress, Pa, plastic work, J/kg, and its low part.
     Plastic: particles {
         strain: Compensated,
         increment: Number,
         yield_stress: Number,
         work: Compensated,
     };
-    /// History variables of flow laws, each with its rest.
+    /// History variables of flow laws, each with its low part.
     History: particles per history_variable { value: Compensated };
-    /// Temperature, K, and its rest.
+    /// Temperature, K, and its low part.
     Temperature: particles { temperature: Compensated };
     /// Data of a neighbour that forces read: scaled stress, scaled artificial stress, Pa, Balsara's switch, sound
     /// speed, m/s; in the total Lagrangian form the tensor whose sum is the force, and the stiffness of the hourglass
@@ -219,7 +219,7 @@ groups! {
     Body: whole;
     /// Work of forces other than pair forces, J, their impulse, N s, correction of the energy by the integrator, J,
     /// heat by viscosity, J, work against the artificial stress and against the hourglass springs, J, and energy that
-    /// moving least squares add to the pressure field, J, each with its rest.
+    /// moving least squares add to the pressure field, J, each with its low part.
     Accounts: particles {
         external_work: Compensated,
         impulse: CompensatedNumbers[3],
@@ -229,7 +229,7 @@ groups! {
         hourglass: Compensated,
         moving_least_squares: Compensated,
     };
-    /// Work of each wall, J, its rest, and the power of the last forces, W.
+    /// Work of each wall, J, its low part, and the power of the last forces, W.
     Walls: feature { works: CompensatedNumbers[3], powers: Numbers[3] };
     /// Sums of an audit over the list of a particle and over all its neighbours: see [`crate::engine::kernels::audit`].
     Audit: particles if audits { of_list: Numbers[8], exact: Numbers[10] };
@@ -248,17 +248,17 @@ groups! {
     /// The same for parts of the particles, and the results of the reduction passes.
     Extremes: columns;
     ExtremesLeft(usize): columns;
-    /// Position in the reference configuration, m, its rest, and volume in it, m^d, with its rest.
+    /// Position in the reference configuration, m, its low part, and volume in it, m^d, with its low part.
     Reference: particles if is_total_lagrangian { position: CompensatedVector, volume: Compensated };
-    /// Deformation gradient of the reference configuration, and its rest, once it is not the initial one; by body,
-    /// whether it has come apart, and whether its configuration is to be renewed.
+    /// Deformation gradient of the reference configuration, and its low part, once it is not the initial one; by body,
+    /// whether it has separated, and whether its configuration is to be renewed.
     Earlier: feature { deformation: CompensatedTensor };
     Apart: own;
     /// Gradient correction in the reference or in the current configuration.
     Correction: particles if corrects { correction: TensorColumns };
     /// Scaled stress times the gradient correction, Pa.
     CorrectedStress: particles if corrects_current_gradients { stress: TensorColumns };
-    /// Deformation gradient, and its rest.
+    /// Deformation gradient, and its low part.
     Deformation: particles if is_total_lagrangian { deformation: CompensatedTensor };
     /// Smallest principal stretch, bulk viscosity of the last stress, Pa, and whether a stretch is beyond a bound.
     Stretch: particles if is_total_lagrangian { smallest: Number, bulk_viscosity: Number, is_beyond: Number };
@@ -273,7 +273,7 @@ groups! {
     /// For these, in the total Lagrangian form: outward normal in the reference configuration, 1/m, zero inside, and
     /// depth below the face times its unit normal, m, zero far inside.
     Outward: feature { normal: VectorColumns, arm: VectorColumns };
-    /// Their contact position, m, its rest, its velocity relative to the particle, m/s, and the outward unit normal.
+    /// Their contact position, m, its low part, its velocity relative to the particle, m/s, and the outward unit normal.
     Standing: particles if has_contact_positions {
         position: CompensatedVector,
         velocity: VectorColumns,
@@ -284,7 +284,7 @@ groups! {
     /// Contact force, N, its power that becomes heat of the particle, W, speed of approach, m/s, limit of the step, s.
     Contact: particles if has_contact { force: VectorColumns, heat: Number, approach: Number, limit: Number };
     /// For the contact with each body: force, N, powers stored, of friction and of damping, W, these works so far, J,
-    /// each with its rest, and the energy that facets hold, J.
+    /// each with its low part, and the energy that facets hold, J.
     Meetings: particles if has_contact per body {
         force: VectorColumns,
         powers: Numbers[3],
@@ -333,7 +333,7 @@ groups! {
     ListStarts: own;
     List: own;
     /// Stored lists, the first neighbour of every particle before the second of any, and their lengths: see
-    /// [`crate::engine::kernels::kept`].
+    /// [`crate::engine::kernels::verlet`].
     Kept: columns;
     Rows: feature {
         length: Number,
@@ -344,7 +344,7 @@ groups! {
     };
     /// Distances of their pairs at the last search, m, three for each, if sums use them.
     Stored: columns;
-    /// Position at the last full search, m, its rest, and the smoothing length used in the search, m.
+    /// Position at the last full search, m, its low part, and the smoothing length used in the search, m.
     SearchedAt: feature { position: CompensatedVector, smoothing_length: Number };
     /// The same when contact candidates were determined, and one for each of them; kernels read its columns as those of
     /// [`SearchedAt`].
@@ -357,7 +357,7 @@ groups! {
     /// Gradient correction of the strain that the guard of adaptive search counts, and that of the last step.
     StrainCorrection: feature { correction: TensorColumns, strain: Number };
     /// For parts of the particles the displacements since then, and the numbers of searched particles: see
-    /// [`crate::engine::kernels::kept`].
+    /// [`crate::engine::kernels::verlet`].
     Ways: columns;
     /// The results of the reduction passes.
     WaysLeft(usize): columns;
@@ -399,7 +399,7 @@ groups! {
     Sorted: columns;
     /// Cells around a cell, three steps each.
     Around: columns;
-    /// For particles shared with other cards: the particles that others read, in the order of the cards; their values
+    /// For particles shared with other GPUs: the particles that others read, in the order of the GPUs; their values
     /// to be sent, and the received values for the ghosts here, particle by particle.
     Sends: own;
     Sent: columns;

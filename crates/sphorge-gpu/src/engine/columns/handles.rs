@@ -178,11 +178,11 @@ kinds! {
     Vectors[N]: 3 * N;
     SymmetricColumns: 6;
     TensorColumns: 9;
-    /// Three numbers, followed by their rests.
+    /// Three numbers, followed by their low parts.
     CompensatedVector: 6;
-    /// Nine numbers, followed by their rests.
+    /// Nine numbers, followed by their low parts.
     CompensatedTensor: 18;
-    /// Several numbers, each followed by its rest.
+    /// Several numbers, each followed by its low part.
     CompensatedNumbers[N]: 2 * N;
 }
 
@@ -199,7 +199,7 @@ macro_rules! indexed {
 
 indexed!(Number, VectorColumns, SymmetricColumns, TensorColumns, CompensatedVector);
 
-/// A number with its rest.
+/// A number with its low part.
 #[derive(Clone, Copy)]
 pub(in crate::engine) struct Compensated<S> {
     source: S,
@@ -214,12 +214,12 @@ impl<S: Copy> Compensated<S> {
         Self { source, first, rest: first + 1 }
     }
 
-    /// Index of its column in the group, and of that of its rest.
+    /// Index of its column in the group, and of that of its low part.
     pub(in crate::engine) const fn columns(self) -> [usize; 2] {
         [self.first, self.rest]
     }
 
-    /// The number without its rest.
+    /// The number without its low part.
     pub(in crate::engine) const fn high(self) -> Number<S> {
         Number::at(self.source, self.first)
     }
@@ -229,7 +229,7 @@ impl<S: Copy> Compensated<S> {
         Number::at(self.source, self.rest)
     }
 
-    /// The number or, if `k` is one, its rest.
+    /// The number or, if `k` is one, its low part.
     pub(in crate::engine) const fn part(self, k: usize) -> Number<S> {
         if k == 0 { self.high() } else { self.low() }
     }
@@ -359,7 +359,7 @@ impl<S: Sink> TensorColumns<S> {
 }
 
 impl<S: Source> Compensated<S> {
-    /// The number and its rest.
+    /// The number and its low part.
     pub(in crate::engine) fn get(self, i: Index) -> [Recorded; 2] {
         self.columns().map(|column| Number::at(self.source, column).get(i))
     }
@@ -375,7 +375,7 @@ impl<S: Sink> Compensated<S> {
         Number::at(self.source, self.rest).set(i, low);
     }
 
-    /// Adds to a number with its rest.
+    /// Adds to a number with its low part.
     pub(in crate::engine) fn add(self, i: Index, value: Recorded) {
         self.set(i, added(self.get(i), value));
     }
@@ -416,14 +416,14 @@ impl<S: Copy> CompensatedVector<S> {
         Compensated { source: self.source, first: self.first + a, rest: self.first + 3 + a }
     }
 
-    /// The numbers without their rests.
+    /// The numbers without their low parts.
     pub(in crate::engine) const fn high(self) -> VectorColumns<S> {
         VectorColumns::at(self.source, self.first)
     }
 }
 
 impl<S: Source> CompensatedVector<S> {
-    /// The numbers, each with its rest.
+    /// The numbers, each with its low part.
     pub(in crate::engine) fn get(self, i: Index) -> Vector<[Recorded; 2]> {
         [0, 1, 2].map(|a| self.axis(a).get(i))
     }
@@ -439,7 +439,7 @@ impl<S: Copy> CompensatedTensor<S> {
         Compensated { source: self.source, first: self.first + k, rest: self.first + 9 + k }
     }
 
-    /// The numbers without their rests.
+    /// The numbers without their low parts.
     pub(in crate::engine) const fn high(self) -> TensorColumns<S> {
         TensorColumns::at(self.source, self.first)
     }

@@ -1,4 +1,4 @@
-//! The columns of the particles on a card, and kernels that name the columns they touch.
+//! The columns of the particles on a GPU, and kernels that name the columns they touch.
 
 mod compensated;
 pub(super) mod groups;
@@ -144,7 +144,7 @@ pub(super) fn recording(
 }
 
 impl Recording {
-    /// The kernel compiled for a card and bound to the columns of an engine.
+    /// The kernel compiled for a GPU and bound to the columns of an engine.
     pub(super) fn bind(&self, card: &Card, columns: &Columns, threads: usize) -> Result<Launch, CardFault> {
         let program = card.compile(&self.kernel)?;
         let arrays: Vec<&Array> = self.groups.iter().filter_map(|group| columns.array(*group)).collect();
@@ -152,7 +152,7 @@ impl Recording {
     }
 }
 
-/// The groups of an engine, in the memory of its card.
+/// The groups of an engine, in the memory of its GPU.
 #[derive(Default)]
 pub(super) struct Columns {
     arrays: Vec<(Group, Array)>,

@@ -4,9 +4,9 @@
 use super::contact::SelfContact;
 use super::grid::Grid;
 use super::images::Planes;
-use super::kept::stored_place;
 use super::neighbors::{Pair, different, now, over_cells};
 use super::reference::References;
+use super::verlet::stored_place;
 use crate::engine::columns::{
     Binder, Compensated, CompensatedVector, Group, Number, Read, ReadColumns, Recording, SymmetricColumns,
     WriteColumns, groups, recording,

@@ -5,7 +5,7 @@ use super::facets;
 use super::grid::Grid;
 use super::images::Image;
 use super::neighbors::{Pair, apart, at_start, different, over_cells};
-use super::reference::{Apart, Deformations, References};
+use super::reference::{Deformations, References, Separated};
 use super::section::{Crossing, Through};
 use crate::engine::columns::{
     Binder, CompensatedVector, Group, NOTHING, Read, ReadColumns, ReadRecords, ReadShared, Recording, Records,
@@ -47,7 +47,7 @@ pub(in crate::engine) fn laws(model: &Model) -> Option<Vec<f32>> {
 }
 
 /// Contact positions of particles near faces.
-pub(in crate::engine) fn stand(references: References, count: usize) -> Result<Recording, KernelFault> {
+pub(in crate::engine) fn contact_positions(references: References, count: usize) -> Result<Recording, KernelFault> {
     recording("stand", count, |bind, thread| {
         let i = bind.indices(Group::Surface).at(thread);
         let (place, outward, standing) =
@@ -88,7 +88,7 @@ struct Bodies {
 /// Surfaces of the total Lagrangian form.
 #[derive(Clone, Copy)]
 struct Surfaces {
-    standing: groups::Standing<Read>,
+    at: groups::Standing<Read>,
     reference: groups::Reference<Read>,
     outward: groups::Outward<Read>,
 }
@@ -98,7 +98,7 @@ struct Surfaces {
 pub(super) struct SelfContact {
     surfaces: Surfaces,
     constants: groups::Constants<Read>,
-    apart: Option<Apart>,
+    apart: Option<Separated>,
 }
 
 impl SelfContact {
@@ -112,7 +112,7 @@ impl SelfContact {
         let of = |bind: &mut Binder<'_>| Self {
             surfaces: Surfaces::of(bind),
             constants,
-            apart: Apart::of(bind, model, references),
+            apart: Separated::of(bind, model, references),
         };
         model.has_self_contact().then(|| of(bind))
     }
@@ -128,9 +128,9 @@ impl SelfContact {
         sides: impl Fn(Vector<Recorded>, Vector<Recorded>) -> Recorded,
     ) -> Recorded {
         let press = || self.surfaces.press::<D>(model, i, pair, j, self.constants, sides);
-        // A body that has come apart is renewed often, and meets itself in the sums.
+        // A body that has separated is renewed often, and meets itself in the sums.
         let Some(apart) = self.apart else { return press() };
-        Recorded::if_lt(apart.has_come_apart(i), Recorded::of(0.5), press, Recorded::zero)
+        Recorded::if_lt(apart.has_separated(i), Recorded::of(0.5), press, Recorded::zero)
     }
 }
 
@@ -139,7 +139,7 @@ impl SelfContact {
 pub(super) struct SelfPairs {
     reference: groups::Reference<Read>,
     constants: groups::Constants<Read>,
-    apart: Option<Apart>,
+    apart: Option<Separated>,
 }
 
 impl SelfPairs {
@@ -148,19 +148,19 @@ impl SelfPairs {
         let of = |bind: &mut Binder<'_>| Self {
             reference: groups::Reference::read(bind),
             constants: groups::Constants::read(bind),
-            apart: Apart::of(bind, model, references),
+            apart: Separated::of(bind, model, references),
         };
         model.has_self_contact().then(|| of(bind))
     }
 
-    /// One if particles of a body may meet: they were not neighbours, and the body has not come apart; else zero.
+    /// One if particles of a body may meet: they were not neighbours, and the body has not separate; else zero.
     pub(super) fn meet<const D: usize>(self, model: &Model, i: Index, image: &Image, j: Index) -> Recorded {
         let (zero, one) = (Recorded::zero(), Recorded::one());
         let x = apart::<D>(image, &self.reference.position.get(i), &self.reference.position.get(j));
         let reach = Recorded::of(model.numerics.kernel.support()) * at_start(self.constants)(i);
         let meet = Recorded::select_lt(dot(x, x), reach * reach, zero, one);
-        // A body that has come apart is renewed often, and meets itself in the sums.
-        self.apart.map_or(meet, |apart| Recorded::select_lt(apart.has_come_apart(i), Recorded::of(0.5), meet, zero))
+        // A body that has separated is renewed often, and meets itself in the sums.
+        self.apart.map_or(meet, |apart| Recorded::select_lt(apart.has_separated(i), Recorded::of(0.5), meet, zero))
     }
 }
 
@@ -169,7 +169,7 @@ impl Bodies {
         let surfaces = model.has_faces().then(|| Surfaces::of(bind));
         let constants = groups::Constants::read(bind);
         Self {
-            place: surfaces.map_or_else(|| groups::Place::read(bind).position, |of| of.standing.position),
+            place: surfaces.map_or_else(|| groups::Place::read(bind).position, |of| of.at.position),
             surfaces,
             constants,
             body: bind.indices(Group::Body),
@@ -182,7 +182,7 @@ impl Bodies {
     /// Folds a state over every particle that may be in contact with particle `i`: of another body, or on another side
     /// of the surface of the same body, not its neighbour in the reference configuration, and not behind it as the
     /// other side of a sheet.
-    fn over_pressing<S: Numbers<Recorded>, const D: usize>(
+    fn over_contacts<S: Numbers<Recorded>, const D: usize>(
         self,
         bind: &mut Binder<'_>,
         model: &Model,
@@ -204,7 +204,7 @@ impl Bodies {
 
     /// Velocity of a face relative to its particle, m/s.
     fn rate(self, of: Index) -> Option<Vector<Recorded>> {
-        self.surfaces.map(|surfaces| surfaces.standing.velocity.get(of))
+        self.surfaces.map(|surfaces| surfaces.at.velocity.get(of))
     }
 
     fn volume(self, i: Index) -> Recorded {
@@ -225,7 +225,7 @@ impl Bodies {
 impl Surfaces {
     fn of(bind: &mut Binder<'_>) -> Self {
         Self {
-            standing: groups::Standing::read(bind),
+            at: groups::Standing::read(bind),
             reference: groups::Reference::read(bind),
             outward: groups::Outward::read(bind),
         }
@@ -241,7 +241,7 @@ impl Surfaces {
         sides: impl Fn(Vector<Recorded>, Vector<Recorded>) -> Recorded,
     ) -> Recorded {
         let (zero, image) = (Recorded::zero(), &pair.image);
-        let (then_i, now_i) = (self.outward.normal.get(i), self.standing.normal.get(i));
+        let (then_i, now_i) = (self.outward.normal.get(i), self.at.normal.get(i));
         let x = apart::<D>(image, &self.reference.position.get(i), &self.reference.position.get(j));
         let mut r2 = zero;
         for c in &x[..D] {
@@ -249,7 +249,7 @@ impl Surfaces {
         }
         let then_j = image.vector(self.outward.normal.get(j));
         let sheet = sides_of_a_sheet(x, then_i, then_j, constants.spacing.get(i));
-        let sides = sides(now_i, image.vector(self.standing.normal.get(j)));
+        let sides = sides(now_i, image.vector(self.at.normal.get(j)));
         let presses = Recorded::select_lt(sheet, Recorded::of(0.5), sides, zero);
         let reach = Recorded::of(model.numerics.kernel.support()) * constants.smoothing_length.get(i);
         let presses = Recorded::select_lt(r2, reach * reach, zero, presses);
@@ -277,7 +277,7 @@ pub(in crate::engine) fn overlap<const D: usize>(
         let volume = bodies.volume(i);
         let first = Overlap::before_the_first();
         let start = [first.overlap, first.away[0], first.away[1], first.away[2], first.weight];
-        let sum = bodies.over_pressing::<_, D>(bind, model, grid, i, start, |state: [Recorded; 5], pair, j| {
+        let sum = bodies.over_contacts::<_, D>(bind, model, grid, i, start, |state: [Recorded; 5], pair, j| {
             let [overlap, x, y, z, weight] = state;
             let mut sum = Overlap { overlap, away: [x, y, z], weight };
             sum.add(&bodies.law(i, j).0, &kernel_of(model, pair), pair.x, volume, bodies.volume(j));
@@ -292,13 +292,13 @@ pub(in crate::engine) fn overlap<const D: usize>(
 
 /// Sums of a particle over its contact pairs.
 #[derive(Clone, Copy)]
-struct Pressed {
+struct ContactSums {
     /// Force, N, heat of the particle, W, and friction's part, speed of approach, m/s.
     sums: [Recorded; 6],
     stiffness: ContactStiffness<Recorded>,
 }
 
-impl Numbers<Recorded> for Pressed {
+impl Numbers<Recorded> for ContactSums {
     fn each(&mut self, visit: &mut dyn FnMut(&mut Recorded)) {
         self.sums.each(visit);
         self.stiffness.each(visit);
@@ -327,7 +327,7 @@ struct ContactPairs {
 }
 
 /// The force of a contact pair, and what it follows from.
-struct Pushed {
+struct PairForce {
     force: ContactForce<Recorded>,
     friction_share: Recorded,
     law: ContactLaw<Recorded>,
@@ -347,7 +347,7 @@ impl ContactPairs {
         Self { bodies, overlaps, evaluated, i, dt, half, zero, mass, volume, own, velocity, rate }
     }
 
-    fn push(&self, model: &Model, pair: &Pair, j: Index) -> Pushed {
+    fn push(&self, model: &Model, pair: &Pair, j: Index) -> PairForce {
         let (bodies, own, image) = (self.bodies, &self.own, &pair.image);
         let other_velocity = image.vector(self.evaluated.get(j));
         let mut v = [0, 1, 2].map(|a| self.velocity[a] - other_velocity[a]);
@@ -370,7 +370,7 @@ impl ContactPairs {
             direction: [0, 1, 2].map(|a| own.away[a] - other.away[a]),
             stopping: stopping(self.mass, other_mass, weight, (own.weight, other.weight), self.dt),
         };
-        Pushed { force: contact_force(&law, &pair), friction_share, law, kernel, overlaps, other_volume }
+        PairForce { force: contact_force(&law, &pair), friction_share, law, kernel, overlaps, other_volume }
     }
 }
 
@@ -378,7 +378,7 @@ impl ContactPairs {
 /// it, so that the work is done at the face.
 ///
 /// If a section is given, the forces of the pairs that cross it are added to the force through it instead.
-pub(in crate::engine) fn press<const D: usize>(
+pub(in crate::engine) fn forces<const D: usize>(
     model: &Model,
     grid: &Grid,
     through: Option<Through<'_>>,
@@ -394,7 +394,7 @@ pub(in crate::engine) fn press<const D: usize>(
             let place = bodies.surfaces.map_or(bodies.place, |_| groups::Place::read(bind).position);
             let crossing = Crossing::of(bind, model, through, i, place);
             let sum =
-                bodies.over_pressing::<_, D>(bind, model, grid, i, [zero; 3], |sum: Vector<Recorded>, pair, j| {
+                bodies.over_contacts::<_, D>(bind, model, grid, i, [zero; 3], |sum: Vector<Recorded>, pair, j| {
                     crossing.add(sum, &pair.image, j, || pairs.push(model, pair, j).force.force, |force| *force)
                 });
             crossing.set(sum, true);
@@ -406,9 +406,9 @@ pub(in crate::engine) fn press<const D: usize>(
             meeting.force.set(i, [zero; 3]);
             meeting.powers.set(i, [zero; 3]);
         });
-        let start = Pressed { sums: [zero; 6], stiffness: ContactStiffness::none() };
-        let all = bodies.over_pressing::<_, D>(bind, model, grid, i, start, |mut state: Pressed, pair, j| {
-            let Pushed { force, friction_share, law, kernel, overlaps, other_volume } = pairs.push(model, pair, j);
+        let start = ContactSums { sums: [zero; 6], stiffness: ContactStiffness::none() };
+        let all = bodies.over_contacts::<_, D>(bind, model, grid, i, start, |mut state: ContactSums, pair, j| {
+            let PairForce { force, friction_share, law, kernel, overlaps, other_volume } = pairs.push(model, pair, j);
             let (heat, friction) = force.own_heat(friction_share);
             let sums = &mut state.sums;
             for (sum, part) in sums[..5].iter_mut().zip(force.force.into_iter().chain([heat, friction])) {

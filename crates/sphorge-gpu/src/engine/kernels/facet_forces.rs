@@ -115,7 +115,7 @@ pub(in crate::engine) fn slip<const D: usize>(
 
 /// Sums of a particle over its pairs.
 #[derive(Clone, Copy)]
-struct Pressed {
+struct ContactSums {
     /// Force, N, heat of the particle, W, and friction's part.
     sums: [Recorded; 5],
     /// Moment of the forces, N m.
@@ -123,7 +123,7 @@ struct Pressed {
     stiffness: FacetStiffness<Recorded>,
 }
 
-impl Numbers<Recorded> for Pressed {
+impl Numbers<Recorded> for ContactSums {
     fn each(&mut self, visit: &mut dyn FnMut(&mut Recorded)) {
         self.sums.each(visit);
         self.moment.each(visit);
@@ -132,7 +132,7 @@ impl Numbers<Recorded> for Pressed {
 }
 
 /// A pair with its forces of damping and friction.
-struct Pushed {
+struct PairForces {
     press: FacetPress<Recorded>,
     /// Heat of damping and work of friction, W.
     damped: Recorded,
@@ -142,7 +142,7 @@ struct Pushed {
 }
 
 /// What the forces of a particle are made of.
-struct Presses<'a> {
+struct FacetForces<'a> {
     model: &'a Model,
     points: Points,
     springs: Option<Springs>,
@@ -177,7 +177,7 @@ impl Stored {
     }
 }
 
-impl<'a> Presses<'a> {
+impl<'a> FacetForces<'a> {
     fn of(bind: &mut Binder<'_>, model: &'a Model, references: References, i: Index) -> Self {
         let points = Points::of(bind, model, references);
         let springs = model.contact.has_friction().then(|| Springs { slips: groups::Slips::read(bind) });
@@ -186,7 +186,7 @@ impl<'a> Presses<'a> {
         Self { model, points, springs, has_images, i, zero, half }
     }
 
-    fn pushed(&self, met: &Met<'_>) -> Pushed {
+    fn pushed(&self, met: &Met<'_>) -> PairForces {
         let (points, i, zero) = (self.points, self.i, self.zero);
         let mut press = met.press;
         let (mut at_centre, damped) = press.damping(&met.law, met.velocity.map(|c| met.sign * c));
@@ -207,21 +207,21 @@ impl<'a> Presses<'a> {
             held = Recorded::if_lt(zero, share, || share / own.stiffness * own.energy(), || zero);
         }
         press.add_at_centre(at_centre);
-        Pushed { press, damped, rubbed, held }
+        PairForces { press, damped, rubbed, held }
     }
 
     /// Adds a pair to the sums of the particle and to those of the contact with the other body.
     fn add(
         &self,
-        mut state: Pressed,
+        mut state: ContactSums,
         met: &Met<'_>,
         (v, l): (Vector<Recorded>, &Tensor<Recorded>),
         (mass, meetings): (Recorded, groups::Meetings<Write>),
-    ) -> Pressed {
+    ) -> ContactSums {
         let (i, zero) = (self.i, self.zero);
         let torn = || moment_of_torn(&met.own, met.stretch, met.press.force.map(|c| met.sign * c));
         let torn = Recorded::if_lt(Recorded::one(), met.stretch, torn, || [[zero; 3]; 3]);
-        let Pushed { press, damped, rubbed, held } = self.pushed(met);
+        let PairForces { press, damped, rubbed, held } = self.pushed(met);
         let force = press.force.map(|c| met.sign * c);
         let mut power = dot(force, v);
         for k in 0..3 {
@@ -269,7 +269,7 @@ impl<'a> Presses<'a> {
 /// Second pass: forces, with the stress of their moments, and their heat.
 ///
 /// If a section is given, the forces of the pairs that cross it are added to the force through it instead.
-pub(in crate::engine) fn press<const D: usize>(
+pub(in crate::engine) fn forces<const D: usize>(
     model: &Model,
     grid: &Grid,
     through: Option<Through<'_>>,
@@ -278,13 +278,13 @@ pub(in crate::engine) fn press<const D: usize>(
 ) -> Result<Recording, KernelFault> {
     recording(&Through::name(through, "press_facets"), count, |bind, thread| {
         let i = bind.indices(Group::Surface).at(thread);
-        let presses = Presses::of(bind, model, references, i);
-        let Presses { points, zero, half, .. } = presses;
+        let forces = FacetForces::of(bind, model, references, i);
+        let FacetForces { points, zero, half, .. } = forces;
         if let Some(through) = through {
             let place = groups::Place::read(bind).position;
             let crossing = Crossing::of(bind, model, through, i, place);
             let sum = points.each::<_, D>(bind, model, grid, i, [zero; 3], |sum: Vector<Recorded>, met| {
-                let force = || presses.pushed(met).press.force.map(|c| met.sign * c);
+                let force = || forces.pushed(met).press.force.map(|c| met.sign * c);
                 crossing.add(sum, met.image, met.j, force, |force| *force)
             });
             crossing.set(sum, true);
@@ -299,11 +299,11 @@ pub(in crate::engine) fn press<const D: usize>(
             meeting.powers.set(i, [zero; 3]);
             meeting.energy.set(i, zero);
         });
-        let start = Pressed { sums: [zero; 5], moment: [[zero; 3]; 3], stiffness: FacetStiffness::none() };
-        let add = |state: Pressed, met: &Met<'_>| presses.add(state, met, (v, &l), (mass, meetings));
+        let start = ContactSums { sums: [zero; 5], moment: [[zero; 3]; 3], stiffness: FacetStiffness::none() };
+        let add = |state: ContactSums, met: &Met<'_>| forces.add(state, met, (v, &l), (mass, meetings));
         let all = points.each::<_, D>(bind, model, grid, i, start, add);
         let [x, y, z, mut heat, mut friction] = all.sums;
-        if let Some(released) = presses.released::<D>(bind, grid, meetings) {
+        if let Some(released) = forces.released::<D>(bind, grid, meetings) {
             heat += released;
             friction += released;
         }

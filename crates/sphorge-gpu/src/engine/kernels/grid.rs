@@ -244,7 +244,7 @@ mod tests {
     use std::collections::HashMap;
 
     #[test]
-    fn particles_are_sorted_by_cells_of_which_there_are_chunks_of_chunks() {
+    fn particles_are_sorted_with_several_levels_of_chunks() {
         let count = 700;
         let grid = Grid { origin: [0.0; 3], reach: 1.0, edge: 1.0, counts: [32; 3] };
         assert_eq!(grid.levels(), [512, 8, 1]);

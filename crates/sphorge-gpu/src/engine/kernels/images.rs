@@ -30,7 +30,7 @@ pub(in crate::engine) struct Planes([[Option<Kind>; 2]; 3]);
 enum Choice {
     None,
     Of(Kind),
-    /// Zero for none, one or two for the first or second kind, as a value on the card.
+    /// Zero for none, one or two for the first or second kind, as a value on the GPU.
     Either(Recorded, [Option<Kind>; 2]),
 }
 
@@ -38,20 +38,20 @@ enum Choice {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Image([Choice; 3]);
 
-/// A number and its rest in single precision.
+/// A number and its low part in single precision.
 pub(super) fn split(number: f64) -> [Recorded; 2] {
     let high = f64::from(number as f32);
     [Recorded::of(high), Recorded::of(number - high)]
 }
 
-/// Distance of a position, with its rest, from a coordinate, m.
+/// Distance of a position, with its low part, from a coordinate, m.
 fn beyond([high, low]: [Recorded; 2], from: f64) -> Recorded {
     let [from, rest] = split(from);
     (high - from) + (low - rest)
 }
 
 impl Kind {
-    /// `x_i - x_j` of positions with their rests, for the image of the second, m. Near a plane both parts are small,
+    /// `x_i - x_j` of positions with their low parts, for the image of the second, m. Near a plane both parts are small,
     /// and exact; a body whose lists are those of the reference configuration may have left its periodic cell far
     /// behind.
     fn apart(self, own: [Recorded; 2], other: [Recorded; 2]) -> Recorded {
@@ -65,7 +65,7 @@ impl Kind {
         }
     }
 
-    /// Distance of the image of a position, with its rest, from a coordinate, m.
+    /// Distance of the image of a position, with its low part, from a coordinate, m.
     fn offset(self, place: [Recorded; 2], coordinate: f64) -> Recorded {
         match self {
             Self::Mirror(plane) => Recorded::of(plane - coordinate) - beyond(place, plane),
@@ -81,7 +81,7 @@ impl Kind {
         }
     }
 
-    /// Distance of a position, with its rest, from the region of images of this kind, m; negative inside.
+    /// Distance of a position, with its low part, from the region of images of this kind, m; negative inside.
     fn distance(self, place: [Recorded; 2]) -> Recorded {
         match self {
             Self::Mirror(plane) => beyond(place, plane).abs(),
@@ -127,7 +127,7 @@ impl Planes {
         image >> (BITS * axis as u32) & ((1 << BITS) - 1)
     }
 
-    /// The image with a code that is a value on the card.
+    /// The image with a code that is a value on the GPU.
     pub(super) fn coded(self, code: Recorded) -> Image {
         let code = Index::floor(code);
         Image([0, 1, 2].map(|axis| {
@@ -231,19 +231,19 @@ impl Choice {
 }
 
 impl Image {
-    /// Distance of a position, with its rest, from each plane this image is behind, on either side of it, m.
+    /// Distance of a position, with its low part, from each plane this image is behind, on either side of it, m.
     pub(super) fn distances<const D: usize>(&self, place: &Vector<[Recorded; 2]>) -> impl Iterator<Item = Recorded> {
         let kinds = self.kinds::<D>(place);
         kinds.filter(|(kind, _)| kind.turns()).map(|(kind, place)| kind.distance(place))
     }
 
-    /// Distance of a position, with its rest, from the region that has neighbours of this image, m; zero for the
+    /// Distance of a position, with its low part, from the region that has neighbours of this image, m; zero for the
     /// particle itself.
     pub(super) fn farthest<const D: usize>(&self, place: &Vector<[Recorded; 2]>) -> Option<Recorded> {
         self.kinds::<D>(place).map(|(kind, place)| kind.distance(place)).reduce(Real::max)
     }
 
-    /// Distance along an axis of a position, with its rest, from the region of such images, m; negative inside, and far
+    /// Distance along an axis of a position, with its low part, from the region of such images, m; negative inside, and far
     /// below zero where this is none.
     pub(super) fn distance(&self, axis: usize, place: [Recorded; 2]) -> Recorded {
         self.0[axis].choose(|| -Recorded::largest(), |kind| kind.distance(place))
@@ -263,13 +263,13 @@ impl Image {
         })
     }
 
-    /// `x_i - x_j` along an axis of positions with their rests, for the image of the second, m.
+    /// `x_i - x_j` along an axis of positions with their low parts, for the image of the second, m.
     pub(super) fn apart(&self, axis: usize, own: [Recorded; 2], other: [Recorded; 2]) -> Recorded {
         let direct = || (own[0] - other[0]) + (own[1] - other[1]);
         self.0[axis].choose(direct, |kind| kind.apart(own, other))
     }
 
-    /// Distance of a position with its rest, or of an image of it, from a coordinate along an axis, m.
+    /// Distance of a position with its low part, or of an image of it, from a coordinate along an axis, m.
     pub(super) fn offset(image: Option<&Self>, axis: usize, from: f64, place: [Recorded; 2]) -> Recorded {
         let choice = image.map_or(Choice::None, |image| image.0[axis]);
         choice.choose(|| beyond(place, from), |kind| kind.offset(place, from))
@@ -313,7 +313,7 @@ mod tests {
     use crate::record::Kernel;
 
     #[test]
-    fn images_of_entries_are_as_far_as_double_precision_has_them_and_turn_what_they_should() {
+    fn images_in_lists_have_exact_distances_and_mirrored_components() {
         let mirrors = Planes([[Some(Kind::Mirror(1.7)), None], [None; 2], [Some(Kind::Mirror(1.7)), None]]);
         // Particles a tenth of a micrometre from a plane that is far from the origin.
         let (own, other): (f64, f64) = (1.7 + 1.3e-7, 1.7 + 0.9e-7);
@@ -356,7 +356,7 @@ mod tests {
     }
 
     #[test]
-    fn second_planes_and_periodic_ends_are_as_far_as_double_precision_has_them() {
+    fn second_planes_and_periodic_ends_have_exact_distances() {
         // Planes at 0.3 and 1.7, and a period of 1.4 between the same.
         let planes = [Some(Kind::Mirror(0.3)), Some(Kind::Mirror(1.7))];
         let ends = [Some(Kind::Copy([1.7, 0.3])), Some(Kind::Copy([0.3, 1.7]))];

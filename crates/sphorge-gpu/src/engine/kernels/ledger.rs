@@ -1,7 +1,7 @@
 //! The sums of the ledger, and where each is.
 
 use super::reference::References;
-use super::sums::{Lane, Portions, Term, given, of_columns, of_lanes};
+use super::sums::{Lane, Partition, Term, given, of_columns, of_lanes};
 use super::walls;
 use super::walls::{AtWall, Deformed, of_wall};
 use crate::engine::columns::{
@@ -40,7 +40,7 @@ pub(in crate::engine) const OF_ACCOUNTS: usize = 9;
 pub(in crate::engine) const MEETING: usize = MEETING_ENERGY + 1;
 pub(in crate::engine) const MEETING_ENERGY: usize = 3 + 3;
 
-/// Numbers the ledger is given with their rests: the length of the step, of each wall displacement and velocity, of each body smoothing length, spacing and
+/// Numbers the ledger is given with their low parts: the length of the step, of each wall displacement and velocity, of each body smoothing length, spacing and
 /// sound speed at rest.
 const OF_WALL: usize = 6;
 const OF_BODY: usize = 3;
@@ -71,7 +71,7 @@ impl LedgerSums {
     }
 }
 
-/// How many numbers the ledger is given, with their rests.
+/// How many numbers the ledger is given, with their low parts.
 pub(in crate::engine) fn numbers_given(model: &Model) -> usize {
     2 * (1 + OF_WALL * model.walls.len() + OF_BODY * model.bodies.len())
 }
@@ -94,13 +94,13 @@ pub(in crate::engine) fn numbers(model: &Model, dt: f64, then: f64) -> Vec<f32> 
 pub(in crate::engine) fn ledger(
     model: &Model,
     references: References,
-    portions: Portions,
+    partition: Partition,
     count: usize,
 ) -> Result<(Vec<Recording>, Recording), KernelFault> {
     let of = LedgerSums::of(model);
-    let mut kernels = vec![motion(portions, count)?, energies(model, portions, count)?];
+    let mut kernels = vec![motion(partition, count)?, energies(model, partition, count)?];
     let mut add = |group: Group, terms: &[Term], first: usize| -> Result<(), KernelFault> {
-        kernels.extend(of_columns(group, terms, (portions, first), count)?);
+        kernels.extend(of_columns(group, terms, (partition, first), count)?);
         Ok(())
     };
     add(Group::Accounts, &accounts().map(Term::from), ACCOUNTS)?;
@@ -114,12 +114,12 @@ pub(in crate::engine) fn ledger(
         add(Group::Boundaries, &supplied, of.heat + 1)?;
     }
     if model.has_contact() {
-        kernels.push(meetings(model.bodies.len(), (portions, of.meetings), count)?);
+        kernels.push(meetings(model.bodies.len(), (partition, of.meetings), count)?);
     }
     for wall in 0..model.walls.len() {
-        kernels.push(wall_force(model, wall, references, (portions, of.wall_forces + 3 * wall), count)?);
+        kernels.push(wall_force(model, wall, references, (partition, of.wall_forces + 3 * wall), count)?);
     }
-    Ok((kernels, of_lanes(portions.lanes(), count)?))
+    Ok((kernels, of_lanes(partition.lanes(), count)?))
 }
 
 /// The accounts of a particle.
@@ -132,9 +132,9 @@ pub(in crate::engine) fn accounts() -> [Compensated<()>; OF_ACCOUNTS] {
 }
 
 /// Place and velocity, and what comes of them.
-fn motion(portions: Portions, count: usize) -> Result<Recording, KernelFault> {
+fn motion(partition: Partition, count: usize) -> Result<Recording, KernelFault> {
     recording("sum_motion", count, |bind, thread| {
-        let lane = Lane::of(bind, portions, thread);
+        let lane = Lane::of(bind, partition, thread);
         let (place, velocity) = (groups::Place::read(bind).position, groups::Velocity::read(bind).velocity);
         let (rates, constants) = (groups::Rates::read(bind), groups::Constants::read(bind));
         lane.sum::<MOTION>(bind, (KINETIC, MOTION), |i| {
@@ -155,9 +155,9 @@ fn motion(portions: Portions, count: usize) -> Result<Recording, KernelFault> {
 }
 
 /// What a particle holds: of its elastic energy the shear, and the volume by `p^2 / (2 rho c^2)`.
-fn energies(model: &Model, portions: Portions, count: usize) -> Result<Recording, KernelFault> {
+fn energies(model: &Model, partition: Partition, count: usize) -> Result<Recording, KernelFault> {
     recording("sum_energies", count, |bind, thread| {
-        let lane = Lane::of(bind, portions, thread);
+        let lane = Lane::of(bind, partition, thread);
         let (energy, density) = (groups::Energy::read(bind), groups::Density::read(bind).density);
         let (deviator, pressures) = (groups::Deviator::read(bind).deviator, groups::Pressure::read(bind));
         let (plastic, constants) = (groups::Plastic::read(bind), groups::Constants::read(bind));
@@ -215,9 +215,9 @@ fn in_pairs(tensor: sphorge_physics::SymmetricTensor<Recorded>) -> sphorge_physi
 }
 
 /// The contact with each body: however many there are, they are taken in one loop.
-fn meetings(bodies: usize, (portions, first): (Portions, usize), count: usize) -> Result<Recording, KernelFault> {
+fn meetings(bodies: usize, (partition, first): (Partition, usize), count: usize) -> Result<Recording, KernelFault> {
     recording("sum_meetings", count, |bind, thread| {
-        let (lane, meetings) = (Lane::of(bind, portions, thread), groups::Meetings::read(bind));
+        let (lane, meetings) = (Lane::of(bind, partition, thread), groups::Meetings::read(bind));
         let to = bind.write(Group::LaneSums);
         bind.scope.fold(Index::of(0), Index::of(bodies as u32), NOTHING, |scope, nothing, body| {
             let meeting = meetings.of_value(body);
@@ -244,11 +244,11 @@ fn wall_force(
     model: &Model,
     k: usize,
     references: References,
-    (portions, first): (Portions, usize),
+    (partition, first): (Partition, usize),
     count: usize,
 ) -> Result<Recording, KernelFault> {
     recording(&format!("sum_wall_force_{k}"), count, |bind, thread| {
-        let (lane, numbers) = (Lane::of(bind, portions, thread), bind.read(Group::SumNumbers));
+        let (lane, numbers) = (Lane::of(bind, partition, thread), bind.read(Group::SumNumbers));
         let (place, evaluated) = (groups::Place::read(bind).position, groups::Evaluated::read(bind).velocity);
         let constants = groups::Constants::read(bind);
         let deformation = model.is_total_lagrangian().then(|| {

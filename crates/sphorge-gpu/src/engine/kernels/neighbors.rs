@@ -2,7 +2,7 @@
 
 use super::grid::Grid;
 use super::images::{Image, Planes};
-use super::kept::stored_place;
+use super::verlet::stored_place;
 use crate::engine::columns::{Binder, CompensatedVector, Group, Read, ReadColumns, Reading, groups};
 use crate::record::{Index, Indices, Recorded};
 use sphorge_engine::model::{AdaptiveSearch, Model, Search};
@@ -24,7 +24,7 @@ pub(super) struct Pair {
 }
 
 impl Pair {
-    /// From positions with their rests.
+    /// From positions with their low parts.
     pub(super) fn of<const D: usize>(
         model: &Model,
         (image, bits): (Image, u32),
@@ -42,7 +42,7 @@ impl Pair {
     }
 }
 
-/// `x_i - x_j` of positions with their rests, along the `D` axes computed in.
+/// `x_i - x_j` of positions with their low parts, along the `D` axes computed in.
 pub(super) fn apart<const D: usize>(
     image: &Image,
     own: &Vector<[Recorded; 2]>,

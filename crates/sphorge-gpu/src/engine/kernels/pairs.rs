@@ -205,7 +205,7 @@ pub(in crate::engine) fn correct_stress(count: usize) -> Result<Recording, Kerne
     })
 }
 
-/// A density with its rest, kg/m³, after a step.
+/// A density with its low part, kg/m³, after a step.
 pub(super) fn compressed(density: [Recorded; 2], l: &Tensor<Recorded>, dt: Recorded) -> [Recorded; 2] {
     added(density, density[0] * relative_density_change(l, dt))
 }

@@ -10,12 +10,12 @@ use sphorge_engine::particles::{HistoryVariables, equivalent_strain_rate};
 use sphorge_engine::reduction::Quantity;
 use sphorge_physics::{Real, SymmetricTensor};
 
-/// A field that is available on a card.
+/// A field that is available on a GPU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Field {
     /// This number of columns from this one on.
     Plain(Group, usize, usize),
-    /// The same with their rests, which start at this offset.
+    /// The same with their low parts, which start at this offset.
     Carried(Group, usize, usize, usize),
     /// Symmetric tensor.
     Deviator,
@@ -78,7 +78,7 @@ impl Field {
 enum Bound {
     /// Columns from this one on.
     Plain(Reading, usize),
-    /// The same with their rests, which start at this offset.
+    /// The same with their low parts, which start at this offset.
     Carried(Reading, usize, usize),
     Deviator(SymmetricColumns<Read>),
     Stress(SymmetricColumns<Read>, groups::Pressure<Read>),
@@ -95,7 +95,7 @@ pub(super) struct Number {
     component: Option<usize>,
 }
 
-/// Whether a quantity is available on a card; some are not, such as a yield stress that may be infinite.
+/// Whether a quantity is available on a GPU; some are not, such as a yield stress that may be infinite.
 pub(in crate::engine) fn is_known(quantity: Quantity<'_>, model: &Model) -> bool {
     let field = Field::named(quantity.field, model);
     // The state is one number or three.

@@ -1,6 +1,6 @@
 //! Reduction of numbers of parts of the particles until a few rows are left, which are copied back.
 //!
-//! A card has some hundred thousand threads at once, and a thread alone waits for memory most of the time: the first pass has a thread for a few
+//! A GPU has some hundred thousand threads at once, and a thread alone waits for memory most of the time: the first pass has a thread for a few
 //! particles, and each of the following reduces a few rows of the one before.
 
 use crate::engine::columns::{Binder, Group, Recording, recording};
@@ -144,7 +144,7 @@ mod tests {
     use crate::evaluate::Evaluation;
 
     #[test]
-    fn passes_are_few_and_short() {
+    fn passes_are_as_few_and_narrow_as_possible() {
         // Of 2e5, 2e6 and the most particles there may be.
         let of = |particles: usize| passes(rows(particles.next_multiple_of(256)));
         assert_eq!(of(195_112), [1744, 250]);
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_come_together_to_a_few_whatever_their_number() {
+    fn any_number_of_rows_is_reduced_to_a_few() {
         use Together::{Largest, Least, Ones, Sum, Units};
         for count in [1, FEW, FEW + 1, 1000, FEW * WIDTH, FEW * WIDTH + 1, 300_000] {
             let number = |k: usize, i: usize| ((i * 7919 + k * 31) % 1009) as f32 - 500.0;

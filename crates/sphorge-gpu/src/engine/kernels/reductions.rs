@@ -2,7 +2,7 @@
 
 use super::quantities::{Number, is_known};
 use super::reference::References;
-use super::sums::{Lane, Portions, given};
+use super::sums::{Lane, Partition, given};
 use crate::engine::columns::{
     Binder, CompensatedTensor, CompensatedVector, Group, Read, ReadColumns, Reading, Recording, groups, recording,
 };
@@ -12,7 +12,7 @@ use sphorge_engine::reduction::{AGAINST, Looked, Quantity, Suspicion, reach};
 use sphorge_physics::tensor::{dot, identity};
 use sphorge_physics::{Elementary, Real, Vector};
 
-/// Numbers that reductions are given, each with its rest: a point, the row of a particle, and of each body its spacing and smoothing length, whether it is looked at,
+/// Numbers that reductions are given, each with its low part: a point, the row of a particle, and of each body its spacing and smoothing length, whether it is looked at,
 /// and what its particles are held against.
 const POINT: usize = 0;
 pub(in crate::engine) const ROW: usize = 3;
@@ -175,13 +175,13 @@ impl Reduced<'_> {
     }
 }
 
-/// The kernels of the measures of a deck and of the checks of a run, where a card knows the quantities.
+/// The kernels of the measures of a deck and of the checks of a run, where a GPU knows the quantities.
 pub(in crate::engine) fn of_deck(
     model: &Model,
     references: References,
-    (portions, count): (Portions, usize),
+    (partition, count): (Partition, usize),
 ) -> Result<Vec<Recording>, KernelFault> {
-    let mut kernels = vec![largest_of_lanes(portions.lanes(), count)?];
+    let mut kernels = vec![largest_of_lanes(partition.lanes(), count)?];
     let mut names = Vec::new();
     for measure in &model.measures {
         let (of, asked) = match &measure.kind {
@@ -208,7 +208,7 @@ pub(in crate::engine) fn of_deck(
             let name = reduced.name(of);
             let is_new = !names.contains(&name);
             if is_new && reduced.quantity().is_none_or(|quantity| is_known(quantity, model)) {
-                kernels.push(of_particles(model, &reduced, of, references, (portions, count))?);
+                kernels.push(of_particles(model, &reduced, of, references, (partition, count))?);
                 names.push(name);
             }
         }
@@ -226,7 +226,7 @@ pub(in crate::engine) fn of_deck(
         .extend((model.numerics.temperature == TemperatureSource::PlasticWork).then_some(Suspicion::MissingHeat(0.0)));
     checks.extend((!model.symmetry.is_empty()).then_some(Suspicion::Behind(0.0)));
     for check in checks {
-        kernels.extend(suspects(model, check, (portions, count))?);
+        kernels.extend(suspects(model, check, (partition, count))?);
     }
     Ok(kernels)
 }
@@ -344,7 +344,7 @@ impl Reduced<'_> {
     }
 }
 
-/// The value of what a card knows.
+/// The value of what a GPU knows.
 fn value(number: Option<Number>, i: Index) -> Double {
     number.map_or_else(Double::zero, |number| number.at(i))
 }
@@ -355,10 +355,10 @@ pub(in crate::engine) fn of_particles(
     reduced: &Reduced<'_>,
     selection: &ParticleSelection,
     references: References,
-    (portions, count): (Portions, usize),
+    (partition, count): (Partition, usize),
 ) -> Result<Recording, KernelFault> {
     recording(&reduced.name(selection), count, |bind, thread| {
-        let lane = Lane::of(bind, portions, thread);
+        let lane = Lane::of(bind, partition, thread);
         let selected = Selected::new(bind, selection, lane);
         let terms = reduced.terms(bind, model, references, lane.body());
         let zero = Double::zero();
@@ -449,7 +449,7 @@ impl Tally {
 }
 
 /// Sums of a look for suspicious particles: of each segment how many there are and the place of the worst by its `id`, and how bad it is. Behind them is of each
-/// body where its worst is, m: three numbers with their rests. Rows of the worst of each segment follow, which nobody reads back.
+/// body where its worst is, m: three numbers with their low parts. Rows of the worst of each segment follow, which nobody reads back.
 pub(in crate::engine) const SUSPECTS: usize = 2;
 pub(in crate::engine) const OF_WORST: usize = 6;
 
@@ -463,12 +463,12 @@ pub(in crate::engine) fn numbers_of_suspects(segments: usize, bodies: usize) -> 
 pub(in crate::engine) fn suspects(
     model: &Model,
     suspicion: Suspicion,
-    (portions, count): (Portions, usize),
+    (partition, count): (Partition, usize),
 ) -> Result<[Recording; 3], KernelFault> {
     let kind = format!("{suspicion:?}").to_lowercase();
     let kind = kind.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default();
     let of_lanes = recording(&format!("suspects_{kind}"), count, |bind, thread| {
-        let (lane, given) = (Lane::of(bind, portions, thread), Given::of(bind));
+        let (lane, given) = (Lane::of(bind, partition, thread), Given::of(bind));
         let (place, density) = (groups::Place::read(bind).position, groups::Density::read(bind).density);
         let (temperature, energy) = (groups::Temperature::read(bind).temperature, groups::Energy::read(bind));
         let plastic = matches!(suspicion, Suspicion::MissingHeat(_)).then(|| groups::Plastic::read(bind));
@@ -497,7 +497,7 @@ pub(in crate::engine) fn suspects(
         let worst = Double::new([high, low]);
         lane.set_all(bind, &[Double::new([suspects, place]), worst, Double::new([row, Recorded::zero()])]);
     })?;
-    let (segments, lanes) = (portions.segments, portions.lanes());
+    let (segments, lanes) = (partition.segments, partition.lanes());
     let rows = numbers_of_suspects(segments, model.bodies.len())[1];
     let of_segments = recording("suspects_of_lanes", count, |bind, segment| {
         let (from, to) = (bind.read(Group::LaneSums), bind.write(Group::Sums));

@@ -31,15 +31,15 @@ pub(in crate::engine) enum References {
     Renewed,
 }
 
-/// By body, whether it has come apart, and whether its reference configuration is to be renewed: one or zero.
+/// By body, whether it has separated, and whether its reference configuration is to be renewed: one or zero.
 #[derive(Clone, Copy)]
-pub(super) struct Apart {
+pub(super) struct Separated {
     flags: Reading,
     body: Indices,
     bodies: u32,
 }
 
-impl Apart {
+impl Separated {
     /// Nothing if none has.
     pub(super) fn of(bind: &mut Binder<'_>, model: &Model, references: References) -> Option<Self> {
         (references == References::Renewed).then(|| Self {
@@ -50,7 +50,7 @@ impl Apart {
     }
 
     /// For the body of a particle.
-    pub(super) fn has_come_apart(self, i: Index) -> Recorded {
+    pub(super) fn has_separated(self, i: Index) -> Recorded {
         self.flags.get_at(self.body.at(i))
     }
 
@@ -95,7 +95,7 @@ impl Deformations {
     }
 }
 
-/// `F - 1` of deformation gradients with their rests, with the digits that single precision does not have of `F`.
+/// `F - 1` of deformation gradients with their low parts, with the digits that single precision does not have of `F`.
 pub(super) fn less_identity(deformation: CompensatedTensor<Read>, i: Index) -> Tensor<Recorded> {
     [0, 1, 2].map(|a| {
         [0, 1, 2].map(|b| {
@@ -110,7 +110,7 @@ pub(super) fn less_identity(deformation: CompensatedTensor<Read>, i: Index) -> T
 /// drift of the step.
 pub(in crate::engine) fn renew(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     recording("renew_reference", count, |bind, i| {
-        let Some(apart) = Apart::of(bind, model, References::Renewed) else { return };
+        let Some(apart) = Separated::of(bind, model, References::Renewed) else { return };
         let (place, density, constants) =
             (groups::Place::read(bind).position, groups::Density::read(bind).density, groups::Constants::read(bind));
         let (velocity, step) = (groups::Velocity::read(bind).velocity, groups::Step::shared(bind));
@@ -182,7 +182,7 @@ pub(in crate::engine) fn correct<const D: usize>(
 ) -> Result<Recording, KernelFault> {
     let kernel = model.numerics.kernel;
     recording("correct_reference", count, |bind, i| {
-        let apart = Apart::of(bind, model, references);
+        let apart = Separated::of(bind, model, references);
         let near = (groups::Reference::read(bind), groups::Constants::read(bind));
         let (correction, springs) = (groups::Correction::write(bind).correction, groups::Springs::write(bind));
         let zero = [[Recorded::zero(); 3]; 3];
@@ -198,7 +198,7 @@ pub(in crate::engine) fn correct<const D: usize>(
         let of_pieces = || gradient_correction(&moment, dimension, Recorded::of(LARGEST_CORRECTION_APART));
         let b = match apart {
             None => usual(),
-            Some(apart) => Recorded::if_lt(Recorded::of(0.5), apart.has_come_apart(i), of_pieces, usual),
+            Some(apart) => Recorded::if_lt(Recorded::of(0.5), apart.has_separated(i), of_pieces, usual),
         };
         correction.set(i, &b);
         springs.least_stretch.set(i, springs.least_stretch.get(i) * is_fit(&moment, &b, model.dimensions.into()));
@@ -238,7 +238,7 @@ pub(in crate::engine) fn deform<const D: usize>(
         let (rates, step) = (groups::Rates::write(bind), groups::Step::shared(bind));
         let (springs, plastic) = (groups::Springs::write(bind), groups::Plastic::read(bind));
         let (deviator, pressures) = (groups::Deviator::read(bind).deviator, groups::Pressure::read(bind));
-        let apart = Apart::of(bind, model, references);
+        let apart = Separated::of(bind, model, references);
         let own = velocity.high().get(i);
         let zero = [[Recorded::zero(); 3]; 3];
         let sum = over_list::<_, D>(bind, model, i, near, zero, |gradient: [[Recorded; 3]; 3], pair, j| {
@@ -284,7 +284,7 @@ pub(in crate::engine) fn deform<const D: usize>(
             let once = || stretched(&f, Recorded::of(bound));
             apart.map_or_else(once, |apart| {
                 let again = || deformed_again(&f, smallest);
-                Recorded::if_lt(Recorded::of(0.5), apart.has_come_apart(i), again, once)
+                Recorded::if_lt(Recorded::of(0.5), apart.has_separated(i), again, once)
             })
         };
         stretch.is_beyond.set(i, renewal.map_or_else(Recorded::zero, too_far));

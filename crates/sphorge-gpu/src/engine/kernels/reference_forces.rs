@@ -111,8 +111,8 @@ pub(in crate::engine) fn springs<const D: usize>(
         let near = (groups::Reference::read(bind), groups::Constants::read(bind));
         let (place, evaluated) = (groups::Place::read(bind).position, groups::Evaluated::read(bind).velocity);
         let (packed, deformation) = (groups::PulledBack::read(bind), groups::Deformation::read(bind).deformation);
-        // Displacement and its rest: differences of places would be rounded to single precision of the distance.
-        // So would the difference of the numbers where a body has gone far: its rest is kept, too.
+        // Displacement and its low part: differences of places would be rounded to single precision of the distance.
+        // So would the difference of the numbers where a body has gone far: its low part is kept, too.
         let displacement = |k: Index| {
             let (now, then) = (place.get(k), near.0.position.get(k));
             let u = [0, 1, 2].map(|a| Double::new(now[a]) - Double::new(then[a]));

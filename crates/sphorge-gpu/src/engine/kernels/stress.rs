@@ -217,7 +217,7 @@ impl<'a> Point<'a> {
         Self { model, material, of, i, step, density, energy, deviator, plastic, temperature, pressures, half, dt, l }
     }
 
-    /// Density and internal energy with their rests, at the time of the stress.
+    /// Density and internal energy with their low parts, at the time of the stress.
     fn density_and_energy(&self, bind: &mut Binder<'_>) -> ([Recorded; 2], [Recorded; 2]) {
         let (i, energy) = (self.i, self.energy);
         match self.of {

@@ -26,12 +26,12 @@ pub(in crate::engine) fn chunk_of(total: usize) -> usize {
 
 /// What particles are summed in: the segments of a process, of chunks of so many particles.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::engine) struct Portions {
+pub(in crate::engine) struct Partition {
     pub(in crate::engine) segments: usize,
     pub(in crate::engine) chunk: usize,
 }
 
-impl Portions {
+impl Partition {
     /// Threads of a segment in the first pass, a power of two.
     pub(in crate::engine) fn lanes(self) -> usize {
         self.chunk / EACH
@@ -44,7 +44,7 @@ pub(in crate::engine) const MOST_SUMS: usize = 4;
 /// A thread of the first pass.
 #[derive(Clone, Copy)]
 pub(super) struct Lane {
-    portions: Portions,
+    partition: Partition,
     thread: Index,
     segments: Indices,
     of_particles: Indices,
@@ -52,13 +52,13 @@ pub(super) struct Lane {
 }
 
 impl Lane {
-    pub(super) fn of(bind: &mut Binder<'_>, portions: Portions, thread: Index) -> Self {
+    pub(super) fn of(bind: &mut Binder<'_>, partition: Partition, thread: Index) -> Self {
         let (segments, of_particles) = (bind.indices(Group::Segments), bind.indices(Group::SegmentOf));
-        let lane = thread.and(Index::of(portions.lanes() as u32 - 1));
+        let lane = thread.and(Index::of(partition.lanes() as u32 - 1));
         // The number of a multiple of the lanes is exact far beyond that of a thread.
         let first = thread + Index::floor(-lane.number());
-        let segment = Index::floor(first.number() * Recorded::of(1.0 / portions.lanes() as f64));
-        Self { portions, thread, segments, of_particles, segment }
+        let segment = Index::floor(first.number() * Recorded::of(1.0 / partition.lanes() as f64));
+        Self { partition, thread, segments, of_particles, segment }
     }
 
     /// The body of the particles.
@@ -68,8 +68,8 @@ impl Lane {
 
     /// Takes a state through the particles of the lane.
     pub(super) fn fold<S: Numbers<Recorded>>(self, scope: &mut Scope, start: S, add: impl FnOnce(S, Index) -> S) -> S {
-        let Portions { chunk, .. } = self.portions;
-        let lanes = self.portions.lanes() as u32;
+        let Partition { chunk, .. } = self.partition;
+        let lanes = self.partition.lanes() as u32;
         let lane = self.thread.and(Index::of(lanes - 1));
         let first = self.segments.at(Index::of(2) * self.segment) * Index::of(chunk as u32) + lane;
         let own = self.segment.number();
@@ -83,7 +83,7 @@ impl Lane {
 
     /// Stores the pair of numbers that the lane has for a sum.
     pub(super) fn set(self, sums: Writing, sum: Index, value: Double) {
-        let threads = self.portions.segments * self.portions.lanes();
+        let threads = self.partition.segments * self.partition.lanes();
         let at = sum * Index::of(2 * threads as u32) + Index::of(2) * self.thread;
         sums.set_at(at, value.high);
         sums.set_at(at + Index::of(1), value.low);
@@ -115,7 +115,7 @@ impl Lane {
     }
 }
 
-/// A number with its rest among the numbers a sum is given.
+/// A number with its low part among the numbers a sum is given.
 pub(super) fn given(numbers: Reading, at: Index) -> Double {
     Double::new([numbers.get_at(at), numbers.get_at(at + Index::of(1))])
 }
@@ -147,14 +147,14 @@ const TOGETHER: usize = 12;
 pub(in crate::engine) fn of_columns(
     group: Group,
     terms: &[Term],
-    (portions, first): (Portions, usize),
+    (partition, first): (Partition, usize),
     count: usize,
 ) -> Result<Vec<Recording>, KernelFault> {
     let of_batch = |(number, batch): (usize, &[Term])| {
         // Names are letters, digits and underscores.
         let name = format!("sum_{group:?}_{number}").to_lowercase().replace('(', "_").replace(')', "");
         recording(&name, count, |bind, thread| {
-            let (lane, columns) = (Lane::of(bind, portions, thread), bind.read(group));
+            let (lane, columns) = (Lane::of(bind, partition, thread), bind.read(group));
             let term = |term: &Term, i: Index| {
                 let rest = term.rest.map_or_else(Recorded::zero, |rest| columns.get(rest, i));
                 Double::new([columns.get(term.column, i), rest])
@@ -200,31 +200,35 @@ mod tests {
         }
     }
 
-    /// Two columns, each with its rest: numbers of all sizes, whose sums need both.
+    /// Two columns, each with its low part: numbers of all sizes, whose sums need both.
     fn number(column: usize, i: usize) -> [f32; 2] {
         let number = (i as f64 - 17.3) * 10f64.powi((i % 7) as i32) + 1.0 / (column + i + 1) as f64;
         [number as f32, (number - f64::from(number as f32)) as f32]
     }
 
     #[test]
-    fn segments_are_summed_each_by_itself_to_fourteen_digits() {
-        let portions = Portions { segments: 3, chunk: chunk_of(COUNT) };
-        assert_eq!((portions.chunk, portions.lanes()), (32, 2));
+    fn sums_of_segments_are_separate_and_have_fourteen_digits() {
+        let partition = Partition { segments: 3, chunk: chunk_of(COUNT) };
+        assert_eq!((partition.chunk, partition.lanes()), (32, 2));
         let terms = [Term { column: 0, rest: Some(1) }, Term { column: 2, rest: Some(3) }];
-        let kernels = of_columns(Group::Accounts, &terms, (portions, 1), STRIDE).unwrap();
+        let kernels = of_columns(Group::Accounts, &terms, (partition, 1), STRIDE).unwrap();
         let columns: Vec<f32> = (0..4)
             .flat_map(|k| (0..STRIDE).map(move |i| if i < COUNT { number(k / 2, i)[k % 2] } else { f32::NAN }))
             .collect();
         let of_particles: Vec<u32> = (0..STRIDE).map(segment_of).collect();
-        let mut buffers =
-            [whole(&SEGMENTS), whole(&of_particles), columns, vec![0.0; 2 * 3 * portions.lanes() * portions.segments]];
-        Evaluation::default().run(&kernels[0].kernel, &mut buffers, (portions.segments * portions.lanes()) as u32);
-        let mut sums = [buffers[3].clone(), vec![0.0; 2 * 3 * portions.segments]];
-        let kernel = of_lanes(portions.lanes(), STRIDE).unwrap().kernel;
-        Evaluation::default().run(&kernel, &mut sums, 3 * portions.segments as u32);
+        let mut buffers = [
+            whole(&SEGMENTS),
+            whole(&of_particles),
+            columns,
+            vec![0.0; 2 * 3 * partition.lanes() * partition.segments],
+        ];
+        Evaluation::default().run(&kernels[0].kernel, &mut buffers, (partition.segments * partition.lanes()) as u32);
+        let mut sums = [buffers[3].clone(), vec![0.0; 2 * 3 * partition.segments]];
+        let kernel = of_lanes(partition.lanes(), STRIDE).unwrap().kernel;
+        Evaluation::default().run(&kernel, &mut sums, 3 * partition.segments as u32);
         for segment in 0..3 {
             let found = |sum: usize| -> f64 {
-                let at = 2 * (sum * portions.segments + segment);
+                let at = 2 * (sum * partition.segments + segment);
                 f64::from(sums[1][at]) + f64::from(sums[1][at + 1])
             };
             // The first sum is of others.
@@ -240,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn chunks_are_as_long_as_shares_allow_whatever_their_number() {
+    fn chunk_length_depends_on_the_number_of_particles() {
         let lengths = [1, 32, 570, 4096, 65_535, 65_536, 16_000_000].map(chunk_of);
         assert_eq!(lengths, [32, 32, 32, 64, 512, 1024, 1024]);
     }

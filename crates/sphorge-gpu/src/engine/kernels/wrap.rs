@@ -45,7 +45,7 @@ mod tests {
     use sphorge_deck::{decks, load_text};
 
     #[test]
-    fn particles_come_in_again_from_any_number_of_cells_away() {
+    fn particles_are_wrapped_over_any_number_of_periods() {
         let deck = decks::find("taylor-plate").unwrap();
         let cell = ("periodic".to_owned(), "{ x = [\"-3.8 mm\", \"3.8 mm\"] }".to_owned());
         let model = load_text(deck.name, deck.text, &[cell]).unwrap().model;

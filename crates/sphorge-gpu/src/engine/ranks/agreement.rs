@@ -49,14 +49,18 @@ impl GpuEngine {
     }
 
     /// Lets each rank add its particles to sums, in their common order.
-    pub(in crate::engine) fn in_turn(&self, sums: &mut [f64], add: impl FnOnce(&mut [f64])) -> Result<(), RunFailure> {
+    pub(in crate::engine) fn reduce_in_order(
+        &self,
+        sums: &mut [f64],
+        add: impl FnOnce(&mut [f64]),
+    ) -> Result<(), RunFailure> {
         self.order().pass(sums, add)
     }
 
     /// The sum of numbers over the particles of all ranks; those of this rank are given.
     pub(in crate::engine) fn sum_in_order(&self, own: impl Iterator<Item = f64>) -> Result<f64, RunFailure> {
         let mut sum = [0.0];
-        self.in_turn(&mut sum, |sum| own.for_each(|number| sum[0] += number))?;
+        self.reduce_in_order(&mut sum, |sum| own.for_each(|number| sum[0] += number))?;
         Ok(sum[0])
     }
 
@@ -79,7 +83,7 @@ impl GpuEngine {
         self.domain.as_ref().map_or(self.initial.len(), Domain::total)
     }
 
-    /// Indices of the particles of this card in the common order.
+    /// Indices of the particles of this GPU in the common order.
     pub(in crate::engine) fn own_places(&self) -> std::ops::Range<usize> {
         self.domain.as_ref().map_or(0..self.initial.len(), Domain::own)
     }

@@ -1,5 +1,5 @@
-//! Halo exchange: columns are packed on the card that has the particles, sent in one message to each other rank, and
-//! unpacked on the card that reads them.
+//! Halo exchange: columns are packed on the GPU that has the particles, sent in one message to each other rank, and
+//! unpacked on the GPU that reads them.
 
 use super::touched::ColumnSet;
 use crate::device::{Array, Card, Launch};

@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cells_of_a_periodic_axis_come_again_and_those_of_others_do_not() {
+    fn only_cells_of_a_periodic_axis_repeat() {
         // Six cells of 1.05 m from 0.2 m on.
         let cells = Cells::new(1.0, 2, [Some((0.2, 6.5)), None, None]);
         assert_eq!(cells.of(&[0.3, -0.5, 9.0]), [0, -1, 0]);

@@ -1,9 +1,9 @@
-//! Several cards that share the particles of a run, one to each rank.
+//! Several GPUs that share the particles of a run, one to each rank.
 //!
-//! Particles have one common order, that of a space-filling curve through their initial positions. Each card has a
-//! range of it for the whole run, followed by ghosts: copies of particles of other cards that its own may have as
+//! Particles have one common order, that of a space-filling curve through their initial positions. Each GPU has a
+//! range of it for the whole run, followed by ghosts: copies of particles of other GPUs that its own may have as
 //! neighbours. Ghosts of ranks behind this one come before those of ranks before it, and cells sort them by their index
-//! in the common order, so that every sum is that of a single card, to the bit.
+//! in the common order, so that every sum is that of a single GPU, to the bit.
 //!
 //! The columns that ghosts receive are not listed anywhere: the recorded text of a kernel shows which columns of
 //! neighbours it reads ([`touched`]). A column that was written since its last exchange is exchanged before the first
@@ -12,10 +12,10 @@
 pub(super) mod agreement;
 pub(super) mod exchange;
 mod ghosts;
-pub(super) mod kept_rows;
 pub(super) mod lifetime;
 mod part;
 pub(super) mod touched;
+pub(super) mod verlet_rows;
 
 use super::columns::{Columns, Group, Layout, groups};
 use super::initial_columns::make_columns;
@@ -61,7 +61,7 @@ pub(super) struct Domain {
 }
 
 impl Domain {
-    /// The share of a rank, given the number of particles: whole chunks, so that sums by chunks are those of one card.
+    /// The share of a rank, given the number of particles: whole chunks, so that sums by chunks are those of one GPU.
     ///
     /// # Errors
     /// There are too few particles for so many ranks.
@@ -243,7 +243,7 @@ impl Domain {
         Counts { sent: self.sends().len(), ghosts: self.ghosts(), own: self.own().len() }
     }
 
-    /// Marks the particles whose ghosts were marked on other cards, and removes the marks of the ghosts here.
+    /// Marks the particles whose ghosts were marked on other GPUs, and removes the marks of the ghosts here.
     fn return_marks(&self, card: &Card, columns: &Columns, stride: usize) -> Result<(), RunFailure> {
         let mut known = self.marks.borrow_mut();
         let marks = match &mut *known {
@@ -324,11 +324,11 @@ impl GpuEngine {
         if self.domain.is_none() || !self.model.ghosts_expire() {
             return Ok(());
         }
-        self.launch(Stage::GhostWays)?;
-        let ways = self.ways_of_all()?;
+        self.launch(Stage::GhostDisplacements)?;
+        let displacements = self.displacements_of_all()?;
         let margin = MARGIN * self.grid.edge;
         let has_images = self.model.has_images();
-        if ways.longest > 0.25 * margin * margin && (has_images || ways.diagonal > margin * margin) {
+        if displacements.longest > 0.25 * margin * margin && (has_images || displacements.diagonal > margin * margin) {
             self.choose_ghosts()?;
             self.make_lists_anew()?;
         }
@@ -355,16 +355,16 @@ impl GpuEngine {
         };
         let sets = sets(&self.model, || places(Group::Place), || places(Group::Reference))?;
         let cells = cells(&self.model, self.grid_of_facets().edge);
-        let entries = match self.loaded_kept.take() {
+        let entries = match self.loaded_lists.take() {
             Some(kept) => Some(self.loaded_entries(&kept)?),
-            None if self.model.lists_outlast_ghosts() && self.kept.is_made => Some(self.kept_entries()?),
+            None if self.model.lists_outlast_ghosts() && self.lists.is_made => Some(self.list_entries()?),
             None => None,
         };
         let Some(domain) = &mut self.domain else { return Ok(()) };
         let named = entries.as_ref().map_or_else(|| vec![Vec::new(); domain.ranks.size()], |of| domain.named(of));
         domain.choose(&cells, &sets, &named)?;
-        let has_room = self.initial.len() + domain.ghosts() <= self.stride;
-        if !has_room {
+        let fits = self.initial.len() + domain.ghosts() <= self.stride;
+        if !fits {
             self.grow()?;
         }
         if let Some(entries) = entries {
@@ -443,7 +443,7 @@ fn sets(
     })
 }
 
-/// Chooses ghosts at the start, when nothing is on the card yet.
+/// Chooses ghosts at the start, when nothing is on the GPU yet.
 pub(super) fn choose_at_start(domain: &mut Domain, model: &Model, p: &Particles, edge: f64) -> Result<(), RunFailure> {
     let places = || Ok(p.position.clone());
     let nobody = vec![Vec::new(); domain.ranks.size()];
@@ -466,7 +466,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_keep_their_numbers_in_columns_of_another_length() {
+    fn rows_are_copied_to_columns_of_another_length() {
         let shorter = [1.0, 2.0, 0.0, 3.0, 4.0, 0.0];
         let mut longer = [9.0; 8];
         copy_rows(&shorter, 3, &mut longer, 4, 2);

@@ -1,4 +1,4 @@
-//! A card as one of several that share the particles of a run.
+//! A GPU as one of several that share the particles of a run.
 
 use crate::engine::{Gpu, GpuEngine};
 use sphorge_engine::ranks::Communicator;
@@ -59,7 +59,7 @@ impl FieldSource for GpuEngine {
 }
 
 impl GpuEngine {
-    /// A field of the particles of this card, in their common order.
+    /// A field of the particles of this GPU, in their common order.
     pub(in crate::engine) fn own_column(&self, field: &str) -> Result<Column<'_>, RunFailure> {
         self.field(field)
     }

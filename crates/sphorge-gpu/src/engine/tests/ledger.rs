@@ -1,4 +1,4 @@
-//! The ledger of the card beside that of columns read back.
+//! The ledger of the GPU beside that of columns read back.
 
 use super::{Deck, engine, shipped, steps};
 use crate::Gpu;
@@ -93,7 +93,7 @@ fn numbers(engine: &GpuEngine, ledger: &Ledger) -> Vec<(String, f64, f64)> {
     numbers
 }
 
-/// Holds the ledger of the card against that of columns at the start, after some steps, and after a shorter one; everything that is named must be there.
+/// Holds the ledger of the GPU against that of columns at the start, after some steps, and after a shorter one; everything that is named must be there.
 fn compare(deck: Deck<'_>, count: usize, named: &[&str]) -> Option<GpuEngine> {
     card()?;
     let profile = Profile::default();
@@ -123,7 +123,7 @@ fn compare(deck: Deck<'_>, count: usize, named: &[&str]) -> Option<GpuEngine> {
 }
 
 #[test]
-fn the_ledger_is_that_of_columns_read_back_with_walls() {
+fn ledger_with_walls_matches_columns_read_back() {
     let fine = ("particles.spacing", "\"0.2 mm\"");
     let rubs = ("wall.0.contact", "{ penalty = { friction = 0.2, damping = 0.3 } }");
     let moves = ("wall.0.velocity", "[\"0 m/s\", [[\"0 us\", \"0 m/s\"], [\"4 us\", \"60 m/s\"]]]");
@@ -135,7 +135,7 @@ fn the_ledger_is_that_of_columns_read_back_with_walls() {
 }
 
 #[test]
-fn the_ledger_is_that_of_columns_read_back_in_the_reference_configuration() {
+fn ledger_in_the_reference_configuration_matches_columns_read_back() {
     let rubs = ("wall.0.contact", "{ penalty = { friction = 0.2, surfaces = \"particles\" } }");
     let renews = ("search.total-lagrangian.renewal", "1.1");
     let (fine, falls) = (("particles.spacing", "\"0.3 mm\""), ("gravity", "[\"2e6 m/s^2\", \"0 m/s^2\"]"));
@@ -147,7 +147,7 @@ fn the_ledger_is_that_of_columns_read_back_in_the_reference_configuration() {
 }
 
 #[test]
-fn the_ledger_is_that_of_columns_read_back_with_bodies_that_meet() {
+fn ledger_of_bodies_in_contact_matches_columns_read_back() {
     let held = ["held by contact", "friction by contact", "damping by contact", "force 1 of contact"];
     // A twentieth of a millimetre apart.
     let near = ("body.upper.shape", "{ box = { min = [\"-3 mm\", \"0.65 mm\"], max = [\"5 mm\", \"5 mm\"] } }");
@@ -164,13 +164,13 @@ fn the_ledger_is_that_of_columns_read_back_with_bodies_that_meet() {
 }
 
 #[test]
-fn the_ledger_is_that_of_columns_read_back_of_what_is_driven() {
+fn ledger_of_prescribed_motion_matches_columns_read_back() {
     let named = ["reaction 1 of motion 0", "reaction 1 of motion 1", "reaction 0 of motion 2", "force 1 of 0"];
     compare((&driven(""), &[("particles.spacing", "\"0.25 mm\"")]), 20, &named);
 }
 
 #[test]
-fn the_ledger_is_that_of_columns_read_back_where_heat_flows() {
+fn ledger_of_heat_conduction_matches_columns_read_back() {
     let heat = ["heat exchanged", "heat of boundary 0"];
     compare((shipped("convecting-block"), &[("particles.spacing", "\"2 mm\"")]), 10, &heat);
 }

@@ -1,4 +1,4 @@
-//! What the card sums, beside what the processor makes of columns read back.
+//! What the GPU sums, beside what the processor makes of columns read back.
 
 mod ledger;
 mod oracle;

@@ -1,4 +1,4 @@
-//! The ledger of columns read back, in double precision: what that of the card is held against.
+//! The ledger of columns read back, in double precision: what that of the GPU is held against.
 
 use crate::engine::GpuEngine;
 use crate::engine::columns::{Compensated, Group, Layout, Member, groups};

@@ -1,4 +1,4 @@
-//! Reductions on the card beside those of columns read back.
+//! Reductions on the GPU beside those of columns read back.
 
 use super::{Deck, changed_engine, engine, shipped, steps};
 use crate::Gpu;
@@ -16,7 +16,7 @@ use sphorge_physics::flow::{FlowLaw, PressureAndDamage, YieldLaw};
 /// How near sums and extremes of pairs of numbers are to those of double precision, over the largest value that the field has.
 const NEAR: f64 = 1e-12;
 
-/// Holds what the card finds against what comes of columns.
+/// Holds what the GPU finds against what comes of columns.
 fn compare(engine: &GpuEngine, reduction: &Reduction<'_>, scale: f64) {
     let found = engine.reduction(reduction).unwrap();
     let expected = evaluate(reduction, &engine.model, &engine.snapshot().unwrap());
@@ -82,7 +82,7 @@ fn windows() -> [ParticleSelection; 3] {
 }
 
 #[test]
-fn every_field_is_reduced_as_columns_read_back_are() {
+fn reductions_of_every_field_match_columns_read_back() {
     let fine = ("particles.spacing", "\"0.3 mm\"");
     let Some(engine) = started((shipped("taylor-plate"), &[fine]), 15) else { return };
     compare_fields(&engine, &[], &windows()[..1]);
@@ -90,7 +90,7 @@ fn every_field_is_reduced_as_columns_read_back_are() {
 }
 
 #[test]
-fn sizes_of_deformed_and_of_renewed_bodies_are_those_of_columns_read_back() {
+fn sizes_of_deformed_and_renewed_bodies_match_columns_read_back() {
     let renews = ("search.total-lagrangian.renewal", "1.1");
     for (overrides, count) in [(vec![IRON.1[0], IRON.1[1]], 30), (vec![IRON.1[0], IRON.1[1], renews], 40)] {
         let Some(engine) = started((shipped(IRON.0), &overrides), count) else { return };
@@ -102,7 +102,7 @@ fn sizes_of_deformed_and_of_renewed_bodies_are_those_of_columns_read_back() {
 }
 
 #[test]
-fn bodies_regions_and_smoothing_lengths_that_follow_are_those_of_columns_read_back() {
+fn selections_and_variable_smoothing_lengths_match_columns_read_back() {
     let of_body = |body| ParticleSelection { body: Some(body), ..ParticleSelection::default() };
     let Some(engine) = started((&striking(OVERLAP), &[]), 5) else { return };
     compare_fields(&engine, &["velocity", "density"], &[of_body(0), of_body(1), of_body(2)]);
@@ -116,7 +116,7 @@ fn bodies_regions_and_smoothing_lengths_that_follow_are_those_of_columns_read_ba
 }
 
 #[test]
-fn what_laws_keep_of_the_past_is_reduced_as_columns_read_back_are() {
+fn reductions_of_history_variables_match_columns_read_back() {
     if card().is_none() {
         return;
     }
@@ -153,7 +153,7 @@ fn compare_suspects(engine: &GpuEngine, suspicion: Suspicion) -> Vec<u64> {
 }
 
 #[test]
-fn checks_of_single_particles_are_those_of_columns_read_back() {
+fn checks_of_single_particles_match_columns_read_back() {
     let Some(engine) = started((&striking(OVERLAP), &[]), 0) else { return };
     // All are equally cold: the first is the worst.
     let all = compare_suspects(&engine, Suspicion::Cold(1e4));
@@ -211,7 +211,7 @@ fn no_reduction_of_single_particles_reads_a_column_back() {
     // What is evaluated by the processor reads the groups it needs, once until the next step.
     let slabs = || Reduction::Slabs { of, quantity, axis: 1, direction: 1.0 };
     let columns = |groups: u64| groups * 4 * engine.stride as u64;
-    // Places, densities and velocities with their rests.
+    // Places, densities and velocities with their low parts.
     assert_eq!(bytes(slabs()), columns(6 + 2 + 6));
     assert_eq!(bytes(slabs()), 0);
     assert_eq!(bytes(Reduction::Suspects(Suspicion::Torn)), columns(3));

@@ -98,7 +98,7 @@ fn a_row_reads_a_small_part_of_the_columns() {
     assert!(6 * row < columns && with_checks - row < row / 2, "{row}, {with_checks}, {columns}");
 }
 
-/// Everything that the card sums for a row.
+/// Everything that the GPU sums for a row.
 fn all_sums<'a>(of: &'a ParticleSelection, engine: &'a GpuEngine) -> Vec<Reduction<'a>> {
     let speed = Quantity { field: "speed", component: None };
     let place = Quantity { field: "position", component: Some(1) };
@@ -172,7 +172,7 @@ fn steps_do_not_wait_for_the_sums_of_a_row() {
 }
 
 #[test]
-fn a_diameter_waits_where_its_line_is_not_known_alone() {
+fn a_diameter_waits_where_its_line_depends_on_the_particles() {
     if card().is_none() {
         return;
     }

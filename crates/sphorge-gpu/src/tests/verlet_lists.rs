@@ -1,4 +1,4 @@
-//! Neighbour lists that are kept on a card, beside the processor's engine.
+//! Neighbour lists that are kept on a GPU, beside the processor's engine.
 
 use super::card::card;
 use super::engine::{conserves_and_repeats, start};
@@ -59,7 +59,7 @@ pub(super) fn compare(
 }
 
 #[test]
-fn a_skin_is_searched_anew_when_it_is_on_the_processor() {
+fn lists_with_a_skin_are_searched_again_when_the_cpu_does() {
     let plate = [("particles.spacing", "\"0.6 mm\""), ("search", "\"skin\"")];
     compare("taylor-plate", &plate, (100, 8e-6), (0, 1, 1e-3));
     // In flight no two close in.
@@ -68,13 +68,13 @@ fn a_skin_is_searched_anew_when_it_is_on_the_processor() {
 }
 
 #[test]
-fn the_bullet_of_the_paper_is_that_of_the_processor_with_its_skin() {
+fn the_bullet_of_the_paper_matches_the_cpu_with_its_skin() {
     // Twenty steps later the last digits decide which pairs are within the support.
     compare("bullet", &BULLET, (80, 0.2e-3), (1, 2, 5e-3));
 }
 
 #[test]
-fn pairs_in_the_skin_alone_limit_no_step() {
+fn pairs_beyond_the_support_do_not_limit_the_step() {
     if card().is_none() {
         return;
     }
@@ -97,7 +97,7 @@ fn pairs_in_the_skin_alone_limit_no_step() {
 }
 
 #[test]
-fn the_same_bits_come_again_from_kept_lists() {
+fn a_state_with_verlet_lists_resumes_to_the_same_bits() {
     conserves_and_repeats("bullet", &BULLET, 40e-6);
 }
 
@@ -108,24 +108,24 @@ fn bullet(rule: &'static str) -> Vec<(&'static str, &'static str)> {
 }
 
 #[test]
-fn the_guarded_adaptive_search_is_that_of_the_processor() {
+fn the_guarded_adaptive_search_matches_the_cpu() {
     compare("bullet", &bullet("\"adaptive\""), (120, 0.1e-3), (1, 2, 5e-3));
 }
 
 #[test]
-fn pairs_of_what_is_searched_and_what_is_not_are_in_both_rows() {
+fn pairs_of_searched_and_other_particles_are_in_both_rows() {
     // Few flow by so much in a step, and neighbours come and go on the border of those. Pairs that one row alone has take momentum.
     let rule = ("search", "{ adaptive = { plastic-strain-threshold = 2e-3, strain-bound = 0.02 } }");
     conserves_and_repeats("taylor-plate", &[("particles.spacing", "\"0.6 mm\""), rule], 4e-6);
 }
 
 #[test]
-fn the_adaptive_search_as_published_is_that_of_the_processor() {
+fn the_adaptive_search_as_published_matches_the_cpu() {
     compare("bullet", &bullet("{ adaptive = { guard = \"none\", accumulate = true } }"), (60, 0.1e-3), (1, 2, 5e-3));
 }
 
 #[test]
-fn the_adaptive_search_by_corrected_gradients_and_beside_planes_is_that_of_the_processor() {
+fn the_adaptive_search_by_corrected_gradients_and_beside_planes_matches_the_cpu() {
     let plate = [
         ("particles.spacing", "\"0.6 mm\""),
         ("search", "\"adaptive\""),
@@ -138,6 +138,6 @@ fn the_adaptive_search_by_corrected_gradients_and_beside_planes_is_that_of_the_p
 }
 
 #[test]
-fn the_same_bits_come_again_and_momentum_stays_with_rows_that_are_patched() {
+fn patched_rows_are_reproducible_and_conserve_momentum() {
     conserves_and_repeats("bullet", &bullet("\"adaptive\""), 25e-6);
 }

@@ -1,12 +1,12 @@
-//! What went wrong on a card, told when it is waited for.
+//! What went wrong on a GPU, reported by the next wait.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// What went wrong first with a launch, a copy or the card itself, if anything did.
+/// What went wrong first with a launch, a copy or the GPU itself, if anything did.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Trouble(Arc<Mutex<Option<String>>>);
+pub(super) struct DeferredError(Arc<Mutex<Option<String>>>);
 
-impl Trouble {
+impl DeferredError {
     pub(super) fn keep(&self, why: String) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(why);
     }

@@ -34,7 +34,7 @@ struct Rows {
     kept: IndexOutput,
     stored: Option<Writing>,
     stride: Index,
-    room: Recorded,
+    capacity: Recorded,
     step: groups::Step<Shared>,
 }
 
@@ -46,7 +46,7 @@ impl Rows {
             kept: bind.index_output(Group::Kept),
             stored: model.keeps_distances().then(|| bind.write(Group::Stored)),
             stride: bind.stride(),
-            room: step.capacity.value(),
+            capacity: step.capacity.value(),
             step,
         }
     }
@@ -68,7 +68,7 @@ impl Rows {
             }
             NOTHING
         };
-        Recorded::if_lt(k, self.room, keep, || NOTHING);
+        Recorded::if_lt(k, self.capacity, keep, || NOTHING);
         k + Recorded::one()
     }
 
@@ -245,7 +245,7 @@ fn of_rows(
 
 /// Displacements of the particles of each row since the last full search, or since contact candidates were
 /// determined, and the skin that smoothing lengths that follow the density have left; there are `particles` of them.
-pub(in crate::engine) fn ways(
+pub(in crate::engine) fn displacements(
     model: &Model,
     since: Group,
     particles: usize,
@@ -256,7 +256,7 @@ pub(in crate::engine) fn ways(
         let (place, searched_at) = (groups::Place::read(bind).position, groups::SearchedAt::read_of(bind, since));
         let length = model.smoothing_follows_density().then(|| searched(model, groups::Constants::read(bind)));
         let wide = Recorded::of(1.0 + model.skin_fraction());
-        let ways = bind.write(Group::Ways);
+        let displacements = bind.write(Group::Ways);
         let (zero, far) = (Recorded::zero(), Recorded::of(BEYOND));
         let start = [zero, far, far, far, -far, -far, -far, far];
         let all = over_particles(bind, (count, row), start, |mut all, i| {
@@ -279,7 +279,7 @@ pub(in crate::engine) fn ways(
             all
         });
         for (k, number) in (0..LONGEST_ROW).chain([THINNEST_SKIN]).zip(all) {
-            ways.set_at(Index::of((k * rows(count)) as u32) + row, number);
+            displacements.set_at(Index::of((k * rows(count)) as u32) + row, number);
         }
     })
 }

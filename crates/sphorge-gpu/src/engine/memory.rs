@@ -1,4 +1,4 @@
-//! Whether what a run needs has room on a card, before anything is brought there.
+//! Whether what a run needs has room on a GPU, before anything is brought there.
 
 use super::columns::Handles;
 use super::columns::groups::{self, made_with_particles};
@@ -11,7 +11,7 @@ use sphorge_engine::model::{Body, Dimensions};
 use sphorge_engine::{Model, Particles, RunFailure};
 use std::f64::consts::PI;
 
-/// About how many bytes a run takes on a card: columns, cells, and lists of the neighbours that particles of the spacing of the largest support have.
+/// About how many bytes a run takes on a GPU: columns, cells, and lists of the neighbours that particles of the spacing of the largest support have.
 fn bytes(model: &Model, count: usize, stride: usize, grid: &Grid) -> f64 {
     let columns: usize = made_with_particles(model).map(|(_, fields)| fields).sum();
     let of_body = |body: &Body| {
@@ -45,8 +45,8 @@ fn of_features(model: &Model) -> usize {
         + 5
 }
 
-/// Refuses a group of columns whose places a card cannot number: each body that others meet has columns of its own.
-fn refuse_what_is_too_long(model: &Model, stride: usize) -> Result<(), RunFailure> {
+/// Refuses a group of columns whose places a GPU cannot number: each body that others meet has columns of its own.
+fn refuse_too_long_columns(model: &Model, stride: usize) -> Result<(), RunFailure> {
     let longest = made_with_particles(model).map(|(_, fields)| fields as u64 * stride as u64).max().unwrap_or(0);
     let most = u64::from(u32::MAX);
     if longest <= most {
@@ -59,14 +59,14 @@ fn refuse_what_is_too_long(model: &Model, stride: usize) -> Result<(), RunFailur
     )))
 }
 
-/// Refuses a run that has no room, where the card says what it has.
-pub(super) fn refuse_what_has_no_room(
+/// Refuses a run that has no room, where the GPU says what it has.
+pub(super) fn refuse_beyond_memory(
     card: &Card,
     (model, p): (&Model, &Particles),
     stride: usize,
     grid: &Grid,
 ) -> Result<(), RunFailure> {
-    refuse_what_is_too_long(model, stride)?;
+    refuse_too_long_columns(model, stride)?;
     let needed = bytes(model, p.len(), stride, grid) + card.profile_bytes(stride) as f64;
     match card.memory() {
         Some(Memory { total, free: Some(free) }) if needed > free as f64 => {
@@ -90,7 +90,7 @@ mod tests {
     use sphorge_deck::{decks, load_text};
 
     #[test]
-    fn ten_million_particles_have_room_in_16_gigabytes() {
+    fn ten_million_particles_fit_in_16_gigabytes() {
         let count = 10_000_000;
         let stride = stride_for(count, 0);
         for (deck, overrides) in [
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn a_column_whose_places_have_no_numbers_is_refused() {
+    fn a_column_too_long_for_32_bit_indices_is_refused() {
         let block = |k: u32| {
             let (low, high) = (10 * k, 10 * k + 4);
             format!(
@@ -128,8 +128,8 @@ mod tests {
         let bodies: String = (0..30).map(block).collect();
         let model = load_text("blocks", &format!("{head}{bodies}"), &[]).unwrap().model;
         // Thirteen columns for each of thirty bodies.
-        assert!(refuse_what_is_too_long(&model, 11_012_736).is_ok());
-        let refusal = refuse_what_is_too_long(&model, 11_012_737).unwrap_err();
+        assert!(refuse_too_long_columns(&model, 11_012_736).is_ok());
+        let refusal = refuse_too_long_columns(&model, 11_012_737).unwrap_err();
         assert!(refusal.message.contains("30 bodies") && refusal.message.contains("--engine cpu"), "{refusal}");
     }
 }

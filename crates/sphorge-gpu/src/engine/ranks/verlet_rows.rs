@@ -42,7 +42,7 @@ impl Domain {
 }
 
 impl GpuEngine {
-    /// The lists of this card, column by column; `of` maps the entries of each row.
+    /// The lists of this GPU, column by column; `of` maps the entries of each row.
     fn entries_of(&self, kept: &[f32], number: impl Fn(u32) -> u32) -> Result<Entries, RunFailure> {
         let rows = read(&self.card, &self.columns, Group::Rows)?;
         let length = |i: usize| rows[groups::Rows::layout().length.column() * self.stride + i] as usize;
@@ -53,8 +53,8 @@ impl GpuEngine {
         Ok((0..self.initial.len()).map(|i| (0..length(i)).map(|k| entry(i, k)).collect()).collect())
     }
 
-    /// The lists of this card with indices in the common order.
-    pub(in crate::engine) fn kept_entries(&self) -> Result<Entries, RunFailure> {
+    /// The lists of this GPU with indices in the common order.
+    pub(in crate::engine) fn list_entries(&self) -> Result<Entries, RunFailure> {
         let kept = read(&self.card, &self.columns, Group::Kept)?;
         match &self.domain {
             Some(domain) => self.entries_of(&kept, |number| domain.place(number)),
@@ -69,7 +69,7 @@ impl GpuEngine {
 
     /// Columns of such lists, as a state has them.
     pub(in crate::engine) fn columns_of(&self, entries: &Entries) -> Vec<f32> {
-        let mut kept = vec![0.0; self.kept.room as usize * self.stride];
+        let mut kept = vec![0.0; self.lists.capacity as usize * self.stride];
         for (i, row) in entries.iter().enumerate() {
             for (k, entry) in row.iter().enumerate() {
                 kept[k * self.stride + i] = f32::from_bits(*entry);
@@ -78,7 +78,7 @@ impl GpuEngine {
         kept
     }
 
-    /// Copies lists with indices in the common order to the card, with local indices.
+    /// Copies lists with indices in the common order to the GPU, with local indices.
     pub(super) fn take_entries(&self, entries: &Entries) -> Result<(), RunFailure> {
         let Some(domain) = &self.domain else { return Ok(()) };
         let numbers = domain.numbers();
