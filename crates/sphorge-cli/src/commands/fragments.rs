@@ -59,7 +59,7 @@ pub(crate) fn execute(arguments: FragmentsArguments) -> Ending {
         "all" => None,
         text => Some(text.parse::<FrameChoice>().map_err(|reason| {
             Failure::bad_input(
-                &format!("--frame: {}", reason.replace("first, last", "first, last, all")),
+                format!("--frame: {}", reason.replace("first, last", "first, last, all")),
                 "the default is the last frame",
             )
         })?),

@@ -6,9 +6,11 @@
 
 mod across;
 mod fillers;
+mod gradient;
 mod nodes;
 mod outside;
 
+pub(crate) use gradient::drawn_gradients;
 pub(crate) use nodes::Nodes;
 pub(crate) use outside::Outside;
 

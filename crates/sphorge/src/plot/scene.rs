@@ -15,13 +15,13 @@ use super::{
     walls::{Bounds, PlacedWall, walls},
 };
 use crate::{
-    cells::{JoinedCells, NONE, Nodes},
+    cells::{JoinedCells, NONE, Nodes, drawn_gradients},
     deck::{did_you_mean, load_model, names_like},
     geometry::cell_corners,
     model::{Formulation, Model, SymmetryPlane},
     number::quantity,
     output::{FrameFile, OutputError, RunDirectory, read_series},
-    particles::{DEFORMATION_GRADIENT, find_field},
+    particles::find_field,
 };
 use std::path::{Path, PathBuf};
 
@@ -190,7 +190,7 @@ impl Source {
         };
         let mean = values.values.iter().sum::<f64>() / values.values.len().max(1) as f64;
         let positions = frame.positions()?;
-        let gradient = frame.column(DEFORMATION_GRADIENT)?.filter(|f| f.width == 9);
+        let gradient = drawn_gradients(&mut frame)?;
         let nodes = gradient.map_or_else(Nodes::default, |f| self.cells.at(&positions, &f.values));
         let mut samples = samples(&mut frame, values.values, &positions, &self.cells.corners(&positions, &nodes))?;
         let kept = kept(&mut frame, picture, |frame, field| {

@@ -8,11 +8,11 @@ use super::{
     nodes::FrameNodes,
 };
 use crate::{
-    cells::{JoinedCells, Nodes},
+    cells::{JoinedCells, Nodes, drawn_gradients},
     deck::load_model,
     model::{Formulation, Model},
     output::{FrameFile, HistoryTable, OutputError, RunDirectory, SERIES, Summary, read_series},
-    particles::{DEFORMATION_GRADIENT, find_field},
+    particles::find_field,
     plot::{
         DEFAULT_FIELDS, Derived, FrameChoice, Mirror, Missed, PlotError, Section, View, body_number, field_label,
         joined_cells, mirrored, missed, no_frame, split, upright, values,
@@ -215,7 +215,7 @@ impl ViewedRun {
     pub(super) fn nodes(&self, number: usize) -> Result<FrameNodes, ViewError> {
         let (directory, mut frame) = self.frame(number)?;
         let cells = self.cells()?;
-        let nodes = match frame.column(DEFORMATION_GRADIENT)? {
+        let nodes = match drawn_gradients(&mut frame)? {
             Some(gradient) => cells.at(&frame.positions()?, &gradient.values),
             None => Nodes::default(),
         };

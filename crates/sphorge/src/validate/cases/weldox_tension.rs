@@ -228,14 +228,14 @@ fn judge(runs: &Runs, findings: &mut Findings) {
     let half = |run: &Run| Curve::of(run).and_then(|curve| curve.half_left());
     let study = Study::exact("elongation with half of the force left", Unit::PERCENT, HALF_LEFT);
     findings.study(runs.series(SPACING).fold(study, |s, run| s.point(run.label(), run.spacing, half(run))));
-    if let [_, medium, fine] = &runs.series(SPACING).collect::<Vec<_>>()[..] {
-        if let Some((medium, of_fine)) = half(medium).zip(half(fine)) {
-            findings.add(
-                Finding::new("the same, over that of 12 across", Unit::NONE, fine.label(), Some(of_fine / medium))
-                    .beside(ReferenceKind::OtherRun, "one", 1.0)
-                    .must(Bounds::Relative(0.05), "integrity falls over a share of the failure strain: a hundredth"),
-            );
-        }
+    if let [_, medium, fine] = &runs.series(SPACING).collect::<Vec<_>>()[..]
+        && let Some((medium, of_fine)) = half(medium).zip(half(fine))
+    {
+        findings.add(
+            Finding::new("the same, over that of 12 across", Unit::NONE, fine.label(), Some(of_fine / medium))
+                .beside(ReferenceKind::OtherRun, "one", 1.0)
+                .must(Bounds::Relative(0.05), "integrity falls over a share of the failure strain: a hundredth"),
+        );
     }
     findings.note(format!(
         "Considère's stress, {:.1} MPa at a plastic strain of {:.3}, holds whatever the spacing.",
