@@ -13,7 +13,7 @@ const COARSE: [(&str, &[(&str, &str)]); 29] = [
     ("disc-on-plate", &[]),
     ("elastic-bar", &[]),
     ("elastic-plastic-piston", &[("particles.spacing", "\"0.04 mm\"")]),
-    ("failure-strains", &[("particles.spacing", "\"0.25 mm\"")]),
+    ("failure-strains", &[("particles.spacing", "\"0.1 mm\""), ("time.fixed-step", "\"1 ns\"")]),
     ("heat-slab", &[("particles.spacing", "\"0.08 mm\"")]),
     ("high-shear", &[]),
     ("homogeneous", &[]),
@@ -26,14 +26,14 @@ const COARSE: [(&str, &[(&str, &str)]); 29] = [
     ("pulled", &[]),
     ("rotating-rod", &[("particles.spacing", "\"1.25 mm\"")]),
     ("rubber-rings", &[("particles.spacing", "\"1.5 mm\"")]),
-    ("spall", &[]),
+    ("spall", &[("particles.spacing", "\"0.005 mm\"")]),
     ("taylor-bar", &[("particles.spacing", "\"1 mm\"")]),
     ("taylor-bar-42crmo4", &[("particles.spacing", "\"0.6 mm\"")]),
     ("taylor-fracture", &[]),
     ("taylor-plate", &[]),
     ("tensile", &[("particles.spacing", "\"12 mm\"")]),
     ("two-materials", &[("particles.spacing", "\"0.15 mm\"")]),
-    ("weldox-tension", &[]),
+    ("weldox-tension", &[("particles.spacing", "\"0.2 mm\"")]),
 ];
 
 /// Compares a deck on 1, 2, 3, 4 and 7 ranks of one and of two threads with one process.
