@@ -143,7 +143,8 @@ class RechtIpson(NamedTuple):
         """Residual velocity at an impact velocity, m/s."""
         if speed <= self.limit:
             return 0.0
-        return self.a * speed * (1.0 - (self.limit / speed) ** self.p) ** (1.0 / self.p)
+        share: float = (1.0 - (self.limit / speed) ** self.p) ** (1.0 / self.p)
+        return self.a * speed * share
 
 
 class BallisticLimit(Study):
