@@ -17,7 +17,7 @@ use sphorge_physics::pair::{
 use sphorge_physics::return_mapping::return_mapping;
 use sphorge_physics::stress::{density_after, predicted_density, trial_deviator};
 use sphorge_physics::tensor::{dot, identity, inverse, multiply, transpose};
-use sphorge_physics::thin::{Across, completed_rate, is_thin, reference_correction};
+use sphorge_physics::thin::{Across, completed_rate, correction_of_pieces, is_thin, reference_correction};
 use sphorge_physics::total_lagrangian::{deform, density, first_piola, is_stretched, smallest_stretch};
 use sphorge_physics::viscosity::{
     ViscosityParameters, balsara, bulk_mu, bulk_viscosity, viscosity_mu, viscous_pressure,
@@ -92,10 +92,12 @@ impl Oracle {
             add_dyad(&mut moment, -g * weight[n.j] * n.f, n.x, n.x);
         }
         let is_apart = self.has_come_apart[self.p.body[i] as usize];
-        let correction = if self.total_lagrangian().is_some() && !is_apart {
-            reference_correction(&moment, self.dimension, LARGEST_COMPONENT)
+        let correction = if self.total_lagrangian().is_none() {
+            gradient_correction(&moment, self.dimension, LARGEST_COMPONENT)
+        } else if is_apart {
+            correction_of_pieces(&moment, self.dimension)
         } else {
-            gradient_correction(&moment, self.dimension, if is_apart { 4.0 } else { LARGEST_COMPONENT })
+            reference_correction(&moment, self.dimension, LARGEST_COMPONENT)
         };
         (correction, is_fit(&moment, &correction, self.dimension) > 0.0)
     }

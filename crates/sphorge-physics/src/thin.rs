@@ -27,6 +27,39 @@ pub fn reference_correction<T: Elementary>(moment: &Tensor<T>, dimension: Dimens
     correction_or(moment, dimension, largest, || thin_correction(moment, dimension, largest))
 }
 
+/// Largest component of the gradient correction in a body that has come apart, twice that at a flat free surface.
+/// Particles with few neighbours on one side are common there, and rates of ten times the plain gradient are noise that
+/// takes energy: with the usual bound the internal energy of the disc of `penetration` becomes negative.
+const LARGEST_COMPONENT_APART: f64 = 4.0;
+
+/// The gradient correction of a body that has come apart: [`gradient_correction`](crate::gradient_correction) within a smaller bound and
+/// never [thin](is_thin). Where a moment cannot be inverted there is no correction, but a moment larger than that of a full neighbourhood
+/// is taken back to that size. The plain gradient counts each neighbour with its volume: two particles that fly apart would expand each
+/// other faster the more they have expanded, to no density at all in a time that ends, and press each other harder than a step resolves.
+pub fn correction_of_pieces<T: Elementary>(moment: &Tensor<T>, dimension: Dimension) -> Tensor<T> {
+    let count = dimension.count();
+    let full = T::of(count as f64);
+    let mut squared = T::zero();
+    for row in &moment[..count] {
+        for c in &row[..count] {
+            squared += *c * *c;
+        }
+    }
+    // Asked this way, a moment that is not a number corrects nothing.
+    let scale = T::select_lt(full, squared, (full / squared.max(full)).sqrt(), T::one());
+    let plain = || scaled(&identity(), scale);
+    let mut b = correction_or(moment, dimension, T::of(LARGEST_COMPONENT_APART), plain);
+    // Axes not computed in are like the others, so that volumes that are all large make no direction stand out.
+    let mut mean = T::zero();
+    for (a, row) in b.iter().enumerate().take(count) {
+        mean += row[a] * T::of(1.0 / count as f64);
+    }
+    for (a, row) in b.iter_mut().enumerate().skip(count) {
+        row[a] = mean;
+    }
+    T::if_lt(T::zero(), is_thin(&b), plain, || b)
+}
+
 /// The correction of particles whose neighbours lie in a plane or on a line, to well within the size of the kernel: the pseudo-inverse of
 /// the moment, in which the directions count that need no more than `largest` in it, with a unit on the axes not computed in. The unit
 /// tensor where that is not all.
@@ -176,6 +209,7 @@ fn minus<T: Real>(a: &Tensor<T>, b: &Tensor<T>) -> Tensor<T> {
 mod tests {
     use super::*;
     use crate::gradient_correction::LARGEST_COMPONENT;
+    use crate::tensor::zero;
     use crate::total_lagrangian::velocity_gradient;
 
     fn assert_near(a: &Tensor<f64>, b: &Tensor<f64>, tolerance: f64) {
@@ -222,6 +256,39 @@ mod tests {
         }
         for broken in [crate::tensor::zero(), [[f64::NAN; 3]; 3]] {
             assert_eq!(thin_correction(&broken, Dimension::Three, LARGEST_COMPONENT), identity());
+        }
+    }
+
+    #[test]
+    fn expanded_pieces_do_not_expand_each_other_without_bound() {
+        // A pair along a skew axis: the plain gradient of a large moment is taken back to the size of a unit tensor.
+        let n = [0.6, 0.8, 0.0];
+        for (size, largest) in [(0.01, 0.01), (0.9, 0.9), (7.0, f64::INFINITY), (2.5e5, f64::INFINITY)] {
+            let moment = [0, 1, 2].map(|a| [0, 1, 2].map(|b| size * n[a] * n[b]));
+            for dimension in [Dimension::Two, Dimension::Three] {
+                let b = correction_of_pieces(&moment, dimension);
+                let along = crate::gradient_correction::corrected(&moment, &b);
+                let rate = largest.min((dimension.count() as f64).sqrt());
+                assert!((trace(&along) - rate).abs() < 1e-12 * rate, "{size} {along:?}");
+                assert_eq!(is_thin(&b), 0.0);
+            }
+        }
+        // A full neighbourhood is inverted however far it has expanded.
+        for size in [0.5, 1.0, 1e4] {
+            let moment = [[size, 0.1 * size, 0.0], [0.1 * size, 0.8 * size, 0.0], [0.0; 3]];
+            let b = correction_of_pieces(&moment, Dimension::Two);
+            assert_eq!(is_thin(&b), 0.0);
+            let one = multiply(&moment, &b);
+            for a in 0..2 {
+                for c in 0..2 {
+                    assert!((one[a][c] - identity::<f64>()[a][c]).abs() < 1e-12);
+                }
+            }
+        }
+        // Bounded as before, and broken ones.
+        assert_eq!(correction_of_pieces(&[[0.2, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0; 3]], Dimension::Two), identity());
+        for broken in [zero(), [[f64::NAN; 3]; 3]] {
+            assert_eq!(correction_of_pieces::<f64>(&broken, Dimension::Three), identity());
         }
     }
 

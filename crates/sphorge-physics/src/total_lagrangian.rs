@@ -56,11 +56,6 @@ pub const LARGEST_STRETCH_OF_A_LIQUID: f64 = 4.0;
 /// due to the reset of the springs takes energy.
 const AGAIN: f64 = 2.0;
 
-/// Largest component of the gradient correction in a body that has come apart, twice that at a flat free surface.
-/// Particles with few neighbours on one side are common there, and rates of ten times the plain gradient are noise that
-/// takes energy: with the usual bound the internal energy of the disc of `penetration` becomes negative.
-pub const LARGEST_CORRECTION_APART: f64 = 4.0;
-
 /// Whether a particle of a body that has come apart is deformed so far, given its smallest principal stretch, that the
 /// reference configuration is to be renewed.
 #[inline(always)]

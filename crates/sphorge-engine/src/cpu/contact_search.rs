@@ -99,6 +99,7 @@ impl ContactSearch {
         facets: Option<&FacetContacts>,
         share: Option<&Share>,
         displacement: DisplacementBound,
+        has_come_apart: &[bool],
     ) -> Result<bool, RunFailure> {
         if !self.is_made {
             return Ok(true);
@@ -109,7 +110,7 @@ impl ContactSearch {
         let over_all = |change: f64| share.map_or(Ok(change), |share| share.largest(change));
         let mut half = f64::INFINITY;
         if let Some(facets) = facets {
-            let growth = over_all(self.largest_growth(particles, facets))?;
+            let growth = over_all(self.largest_growth(particles, facets, has_come_apart))?;
             half = MARGIN * smallest(&self.spacing_of) - growth;
         }
         if self.by_kernels {
@@ -137,10 +138,11 @@ impl ContactSearch {
     }
 
     /// Largest growth of the reach of a particle's facets since the last search, m.
-    fn largest_growth(&self, particles: &Particles, facets: &FacetContacts) -> f64 {
+    fn largest_growth(&self, particles: &Particles, facets: &FacetContacts, has_come_apart: &[bool]) -> f64 {
         let whole = whole_deformation(particles);
         let growth = |(i, then): (usize, &f64)| {
-            if *then > 0.0 { facets.reach(particles.id[i], &whole.at(i)) - then } else { 0.0 }
+            let is_apart = has_come_apart[particles.body[i] as usize];
+            if *then > 0.0 { facets.reach(particles.id[i], &whole.at(i), is_apart) - then } else { 0.0 }
         };
         self.reaches.par_iter().with_min_len(BLOCK).enumerate().map(growth).reduce(|| 0.0, f64::max)
     }
@@ -173,7 +175,8 @@ impl ContactSearch {
         if let Some(facets) = facets {
             let whole = whole_deformation(particles);
             let all = (0..particles.len()).into_par_iter().with_min_len(BLOCK);
-            all.map(|i| facets.reach(particles.id[i], &whole.at(i))).collect_into_vec(&mut self.reaches);
+            let is_apart = |i: usize| has_come_apart[particles.body[i] as usize];
+            all.map(|i| facets.reach(particles.id[i], &whole.at(i), is_apart(i))).collect_into_vec(&mut self.reaches);
             let farthest = over_all(self.reaches.iter().copied().fold(0.0, f64::max))?;
             ghost_reach = 2.0 * (farthest + MARGIN * largest(&self.spacing_of));
         }
@@ -182,7 +185,7 @@ impl ContactSearch {
             ghost_reach = ghost_reach.max(factor * largest(&self.smoothing_length_of) + farthest);
         }
         let rows = match share {
-            None => self.place(particles, facets, ghost_reach),
+            None => self.place(particles, facets, ghost_reach, has_come_apart),
             Some(share) => self.place_among_ranks(particles, facets, share, ghost_reach)?,
         };
         let reach = Reach::new(&self.smoothing_length, factor);
@@ -222,7 +225,13 @@ impl ContactSearch {
 
     /// Sets the contact positions of the members, including ghosts of all particles within `reach` (m) of where they
     /// are needed. Returns those whose rows are searched.
-    fn place(&mut self, particles: &Particles, facets: Option<&FacetContacts>, reach: f64) -> Range<usize> {
+    fn place(
+        &mut self,
+        particles: &Particles,
+        facets: Option<&FacetContacts>,
+        reach: f64,
+        has_come_apart: &[bool],
+    ) -> Range<usize> {
         if self.ghosts.halo.rebuild(&particles.position, reach) {
             self.searcher.forget();
         }
@@ -233,7 +242,7 @@ impl ContactSearch {
         let (position, body) =
             (WithGhosts::new(&particles.position, &ghosts.position), WithGhosts::new(&particles.body, &ghosts.body));
         let shift = WithGhosts::new(&particles.contact_shift, &ghosts.contact_shift);
-        let reach = Reaches::new(facets, particles, &ghosts);
+        let reach = Reaches::new(facets, particles, &ghosts, has_come_apart);
         self.place_members(&members, |i| (position.at(i), shift.at(i), body.at(i), reach.of(i)));
         (self.members, self.ghosts.columns) = (members, ghosts);
         0..own
@@ -373,20 +382,34 @@ fn whole_deformation(particles: &Particles) -> WholeDeformation<'_> {
 /// Reaches of the facets of particles and ghosts, if bodies meet there.
 pub(super) struct Reaches<'a> {
     facets: Option<&'a FacetContacts>,
+    has_come_apart: &'a [bool],
     id: WithGhosts<'a, u32>,
+    body: WithGhosts<'a, u32>,
     since: WithGhosts<'a, Tensor<f64>>,
     earlier: Option<WithGhosts<'a, Tensor<f64>>>,
 }
 
 impl<'a> Reaches<'a> {
-    pub(super) fn new(facets: Option<&'a FacetContacts>, own: &'a Particles, ghosts: &'a Particles) -> Self {
+    pub(super) fn new(
+        facets: Option<&'a FacetContacts>,
+        own: &'a Particles,
+        ghosts: &'a Particles,
+        has_come_apart: &'a [bool],
+    ) -> Self {
         let earlier = || WithGhosts::new(&own.earlier_deformation, &ghosts.earlier_deformation);
         Self {
             facets,
+            has_come_apart,
             id: WithGhosts::new(&own.id, &ghosts.id),
+            body: WithGhosts::new(&own.body, &ghosts.body),
             since: WithGhosts::new(&own.deformation, &ghosts.deformation),
             earlier: (!own.earlier_deformation.is_empty()).then(earlier),
         }
+    }
+
+    /// Whether a particle or ghost is of a body that has come apart.
+    pub(super) fn is_apart(&self, i: usize) -> bool {
+        self.has_come_apart[self.body.at(i) as usize]
     }
 
     /// Of a particle or ghost, m.
@@ -395,7 +418,7 @@ impl<'a> Reaches<'a> {
         let facets = self.facets?;
         let f = self.since.at(i);
         let f = self.earlier.map_or(f, |earlier| WholeDeformation::product(&f, &earlier.at(i)));
-        Some(facets.reach(self.id.at(i), &f))
+        Some(facets.reach(self.id.at(i), &f, self.is_apart(i)))
     }
 }
 
@@ -411,11 +434,11 @@ impl<T: PairScalar> CpuEngine<T> {
         let (displacement, share) = (self.lists.displacement, self.domain.as_deref());
         let Some(contacts) = &mut self.contacts else { return Ok(()) };
         let Some(search) = &mut contacts.search else { return Ok(()) };
-        if !search.is_due(&self.particles, contacts.facets.as_ref(), share, displacement)? {
+        let (apart, facets) = (&self.has_come_apart, contacts.facets.as_ref());
+        if !search.is_due(&self.particles, facets, share, displacement, apart)? {
             return Ok(());
         }
-        let (apart, foreign) = (&self.has_come_apart, &mut contacts.foreign);
-        let facets = contacts.facets.as_ref();
+        let foreign = &mut contacts.foreign;
         search.search(&self.particles, share, displacement, self.instructions, apart, facets, foreign)?;
         if let Some(facets) = &mut contacts.facets {
             facets.adopt(foreign, &self.particles, &search.ghosts, apart);

@@ -243,8 +243,11 @@ impl FacetContacts {
     }
 
     /// A bound of the distance of the corners of the facets of a particle, m, the same for all its images; zero
-    /// without any.
-    pub(super) fn reach(&self, id: u32, f: &Tensor<f64>) -> f64 {
+    /// without any, and in a body that has come apart: it meets the others by its kernels, and its deformation has no bound.
+    pub(super) fn reach(&self, id: u32, f: &Tensor<f64>, has_come_apart: bool) -> f64 {
+        if has_come_apart {
+            return 0.0;
+        }
         let sizes = f.map(|row| row.map(f64::abs));
         let corners = self.reference.of(id).iter().flat_map(|facet| facet.facet.corners);
         let squared = corners.map(|corner| {

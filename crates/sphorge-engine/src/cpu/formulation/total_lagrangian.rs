@@ -18,12 +18,10 @@ use crate::model::{Material, Model};
 use crate::neighbors::{BLOCK, PAD};
 use crate::particles::Particles;
 use rayon::prelude::*;
-use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, corrected, gradient_correction};
+use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, corrected};
 use sphorge_physics::hourglass::is_fit;
-use sphorge_physics::thin::{Across, completed_rate, is_thin, reference_correction};
-use sphorge_physics::total_lagrangian::{
-    LARGEST_CORRECTION_APART, deform, density as density_of, force_tensor, smallest_stretch,
-};
+use sphorge_physics::thin::{Across, completed_rate, correction_of_pieces, is_thin, reference_correction};
+use sphorge_physics::total_lagrangian::{deform, density as density_of, force_tensor, smallest_stretch};
 use sphorge_physics::viscosity::{ViscosityParameters, bulk_mu};
 use sphorge_physics::{Dimension, SymmetricTensor, Tensor, tensor};
 
@@ -225,7 +223,7 @@ fn correct_reference<T: PairScalar>(engine: &mut CpuEngine<T>) {
         for (k, b_i) in correction.iter_mut().enumerate() {
             let moment = sums[k].moment.map(|row| row.map(|v| v.to_f64()));
             *b_i = if has_come_apart[body[b * BLOCK + k] as usize] {
-                gradient_correction(&moment, dimension, LARGEST_CORRECTION_APART)
+                correction_of_pieces(&moment, dimension)
             } else {
                 reference_correction(&moment, dimension, LARGEST_COMPONENT)
             };

@@ -134,8 +134,11 @@ struct Sight<'a> {
 
 impl Sight<'_> {
     /// Whether a particle and a ghost of different bodies that are this far apart, m, meet if they are on a list: at facets only
-    /// where these are near enough to touch.
+    /// where these are near enough to touch; what has come apart has none.
     fn can_meet(&self, i: usize, j: usize, apart: f64) -> bool {
+        if self.reaches.is_apart(i) || self.reaches.is_apart(j) {
+            return true;
+        }
         let of_both = self.reaches.of(i).zip(self.reaches.of(j));
         of_both.is_none_or(|(own, other)| own > 0.0 && other > 0.0 && apart < own + other)
     }
@@ -201,6 +204,7 @@ impl<T: PairScalar> CpuEngine<T> {
                 self.contacts.as_ref().and_then(|contacts| contacts.facets.as_ref()),
                 &self.particles,
                 &ghosts.columns,
+                &self.has_come_apart,
             ),
         };
         let rows: Vec<(AuditedRow, AuditedRow)> = (0..own.len())

@@ -16,10 +16,8 @@ use sphorge_physics::hyperelastic::composed;
 use sphorge_physics::integrity::INTEGRITY;
 use sphorge_physics::pair::GradientSums;
 use sphorge_physics::tensor::{identity, multiply};
-use sphorge_physics::thin::{Across, completed_rate, is_thin, reference_correction};
-use sphorge_physics::total_lagrangian::{
-    LARGEST_CORRECTION_APART, deformed_again, density, smallest_stretch, stretched, velocity_gradient,
-};
+use sphorge_physics::thin::{Across, completed_rate, correction_of_pieces, is_thin, reference_correction};
+use sphorge_physics::total_lagrangian::{deformed_again, density, smallest_stretch, stretched, velocity_gradient};
 use sphorge_physics::viscosity::bulk_mu;
 use sphorge_physics::{Elementary, Real, SymmetricTensor, Tensor};
 
@@ -195,7 +193,7 @@ pub(in crate::engine) fn correct<const D: usize>(
         });
         let dimension = model.dimensions.into();
         let usual = || reference_correction(&moment, dimension, Recorded::of(LARGEST_COMPONENT));
-        let of_pieces = || gradient_correction(&moment, dimension, Recorded::of(LARGEST_CORRECTION_APART));
+        let of_pieces = || correction_of_pieces(&moment, dimension);
         let b = match apart {
             None => usual(),
             Some(apart) => Recorded::if_lt(Recorded::of(0.5), apart.has_separated(i), of_pieces, usual),

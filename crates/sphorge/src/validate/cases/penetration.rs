@@ -11,7 +11,9 @@ use super::super::{
 const SPACING: &str = "spacing";
 const CHOICES: &str = "choices";
 const DEFAULT: &str = "default method";
-const FLUID: &str = "default method, no strength, 0.1 GPa of tension";
+/// The metal without strength, with 0.1 GPa of tension, by two methods.
+const FLUID: &str = "fluid, updated Lagrangian";
+const FLUID_BY_DEFAULT: &str = "fluid, default method";
 
 /// Diameter of the crater in m and length over width of the cloud of three codes (Patiño et al., Table 6).
 const PUBLISHED: [(&str, f64, f64); 3] =
@@ -88,11 +90,17 @@ fn variants(effort: Effort) -> Vec<Variant> {
         variants.push(by_default("0.4 mm"));
         variants.push(by_default("0.2 mm"));
         // Of no tension at all the run breaks down where debris expands ten thousandfold.
-        let mut fluid = by_default("0.2 mm")
-            .set("material.aluminium-patino.strength", "none")
-            .set("material.aluminium-patino.spall-pressure", "\"100 MPa\"");
-        fluid.label = format!("0.2 mm, {FLUID}");
-        variants.push(fluid);
+        for (label, method, search) in
+            [(FLUID, "updated-lagrangian", "skin"), (FLUID_BY_DEFAULT, "total-lagrangian", "total-lagrangian")]
+        {
+            let mut fluid = by_default("0.2 mm")
+                .set("method", method)
+                .set("search", search)
+                .set("material.aluminium-patino.strength", "none")
+                .set("material.aluminium-patino.spall-pressure", "\"100 MPa\"");
+            fluid.label = format!("0.2 mm, {label}");
+            variants.push(fluid);
+        }
     }
     variants
 }
@@ -116,7 +124,10 @@ fn slenderness(run: &Run) -> Option<f64> {
 
 fn judge(runs: &Runs, findings: &mut Findings) {
     for run in runs.series(SPACING).chain(runs.series(CHOICES)) {
-        let is_fluid = run.label().ends_with(FLUID);
+        let is_fluid_by_default = run.label().ends_with(FLUID_BY_DEFAULT);
+        let is_fluid = is_fluid_by_default || run.label().ends_with(FLUID);
+        // The default method holds a fluid together until it is stretched fourfold.
+        let known = |within: f64| is_fluid_by_default.then_some(Bounds::Relative(within));
         let at_the_papers = run.label().starts_with("0.2 mm") && !is_fluid;
         let beside = |finding: Finding, of: fn(&(&str, f64, f64)) -> f64| {
             PUBLISHED.iter().fold(finding, |f, row| f.beside(ReferenceKind::Published, row.0, of(row)))
@@ -131,15 +142,18 @@ fn judge(runs: &Runs, findings: &mut Findings) {
             crater.must(Bounds::InRange, "within the range of the experiments")
         } else if is_fluid {
             let crater = Finding::new("crater diameter", Unit::CENTIMETRE, run.label(), run.measure("crater_diameter"));
-            on_a_grid(crater, ON_A_GRID.0).must(Bounds::Relative(0.07), "effect of the remaining tension: see below")
+            on_a_grid(crater, ON_A_GRID.0)
+                .must(Bounds::Relative(0.07), "effect of the remaining tension: see below")
+                .missed_within(known(0.11))
         } else {
             beside(crater, |row| row.1)
         });
         let cloud = Finding::new("length over width of the cloud", Unit::NONE, run.label(), slenderness(run));
         let cloud = on_a_grid(cloud, ON_A_GRID.1);
         findings.add(match run.label() {
-            label if label.ends_with(FLUID) => cloud
-                .must(Bounds::Relative(0.05), "at equal spacing; the grid gives 1.25 with 0.4 mm, 1.33 with 0.1 mm"),
+            _ if is_fluid => cloud
+                .must(Bounds::Relative(0.05), "at equal spacing; the grid gives 1.25 with 0.4 mm, 1.33 with 0.1 mm")
+                .missed_within(known(0.09)),
             label => {
                 let cloud = beside(cloud.beside(ReferenceKind::Experiment, "experiment", 1.39), |row| row.2);
                 match label {
@@ -167,11 +181,11 @@ fn judge(runs: &Runs, findings: &mut Findings) {
     findings.note(
         "The metal as a fluid without tension has a cloud of 1.25, 1.23, 1.33 on fixed grids of 0.4, 0.2, 0.1 mm \
          (`reference/eulerian`), whose program gives the exact pressure of a plate impact at this speed. As a fluid \
-         with a tension of up to 0.1 GPa the default method gives 1.23 with 0.2 mm. Tension is what narrows its \
-         crater: it is 35.8, 37.2, 38.2 mm wide with unlimited tension, 1 and 0.1 GPa, compared with 40.4 mm on the \
-         grid. With 0.4 mm, where the run with 1 MPa reaches its end too, it is 39.2 mm, on the grid 39.2 mm. The \
-         method of the paper gives the result of the paper: at 0.4 mm 1.53, of which 0.13 are due to its artificial \
-         stress and 0.04 to XSPH. The other reasons for its slender cloud were not traced.",
+         with a tension of up to 0.1 GPa the updated Lagrangian form, which is advised for fluids that splash, gives \
+         1.25 with 0.2 mm and a crater that is 3 % narrower. The default method holds a fluid together until it is \
+         stretched fourfold: its crater is 9 % narrower and its cloud has 1.15, with less viscosity, too. The method \
+         of the paper gives the result of the paper: at 0.4 mm 1.53, of which 0.13 are due to its artificial stress \
+         and 0.04 to XSPH. The other reasons for its slender cloud were not traced.",
     );
     findings.note(
         "Temperatures of single particles in the cloud are not reliable: the material has no tensile strength of its \
