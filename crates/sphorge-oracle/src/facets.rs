@@ -144,7 +144,8 @@ impl Oracle {
         }
         let apart = minus(self.searched_at[i], image.point(self.searched_at[j]));
         let reach = self.model.numerics.kernel.support() * self.model.bodies[body].smoothing_length;
-        self.model.has_self_contact() && !self.has_come_apart[body] && dot(apart, apart) >= reach * reach
+        let are_whole = self.integrity[i] > 0.0 && self.integrity[j] > 0.0;
+        self.model.has_self_contact() && !self.has_come_apart[body] && are_whole && dot(apart, apart) >= reach * reach
     }
 
     /// All facets that press one.

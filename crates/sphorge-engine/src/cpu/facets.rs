@@ -159,6 +159,8 @@ pub(super) struct FacetContacts {
 pub(super) struct FacetPoints<'a> {
     id: WithGhosts<'a, u32>,
     body: WithGhosts<'a, u32>,
+    /// Of bodies that break and meet themselves.
+    integrity: Option<WithGhosts<'a, f64>>,
     velocity: WithGhosts<'a, Vector<f64>>,
     gradient: WithGhosts<'a, Tensor<f64>>,
     slip: [WithGhosts<'a, Tensor<f64>>; 2],
@@ -170,6 +172,8 @@ impl<'a> FacetPoints<'a> {
         Self {
             id: WithGhosts::new(&own.id, &ghosts.id),
             body: WithGhosts::new(&own.body, &ghosts.body),
+            integrity: (!own.facet_integrity.is_empty())
+                .then(|| WithGhosts::new(&own.facet_integrity, &ghosts.facet_integrity)),
             velocity: WithGhosts::new(&own.evaluated_velocity, &ghosts.evaluated_velocity),
             gradient: WithGhosts::new(&own.evaluated_gradient, &ghosts.evaluated_gradient),
             slip: [
@@ -181,6 +185,14 @@ impl<'a> FacetPoints<'a> {
                 WithGhosts::new(&own.rubbed_at_high_faces, &ghosts.rubbed_at_high_faces),
             ],
         }
+    }
+}
+
+impl FacetPoints<'_> {
+    /// Whether a body meets itself at the facets of these two particles: neither is severed. A severed particle is loose and may be anywhere,
+    /// within its own body too; facets that it carried there would be met from behind, at any depth at once.
+    fn are_whole(&self, i: usize, j: usize) -> bool {
+        self.integrity.is_none_or(|integrity| integrity.at(i) > 0.0 && integrity.at(j) > 0.0)
     }
 }
 
@@ -358,7 +370,11 @@ impl FacetContacts {
             for (i, row) in block.rows() {
                 let from = [pairs.len() as u32, pressing.len() as u32];
                 for own in self.facets_of(i) {
-                    for &j in row.iter().filter(|&&j| !self.are_apart(points.body.at(i), points.body.at(j as usize))) {
+                    let meets = |j: usize| {
+                        let (own, other) = (points.body.at(i), points.body.at(j));
+                        !self.are_apart(own, other) && (own != other || points.are_whole(i, j))
+                    };
+                    for &j in row.iter().filter(|&&j| meets(j as usize)) {
                         for other in self.facets_of(j as usize) {
                             if !self.about[own].may_press(&self.about[other]) {
                                 continue;
@@ -661,6 +677,14 @@ impl ReferenceSum<'_> {
 }
 
 impl<T: PairScalar> CpuEngine<T> {
+    /// What is severed takes no part in the contact of its body with itself, from the step after that in which it was.
+    pub(super) fn take_out_severed(&mut self) {
+        let Particles { facet_integrity, history, .. } = &mut self.particles;
+        let history = &*history;
+        let all = facet_integrity.par_iter_mut().with_min_len(BLOCK).enumerate();
+        all.for_each(|(i, integrity)| *integrity = history.integrity_of(i));
+    }
+
     /// Velocity gradients of what may meet at facets, at the velocities at which forces are evaluated: as their forces work
     /// in the sums over particles. That of the deformation belongs to the middle of the step.
     pub(super) fn follow_evaluated(&mut self) {

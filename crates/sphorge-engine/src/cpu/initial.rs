@@ -3,7 +3,7 @@
 use super::conduction::hold;
 use super::integrate::Motions;
 use crate::model::{ArtificialStress, Body, BodyContact, Integrator, Material, Model, Search, Wall};
-use crate::particles::{History, Owner, Particles};
+use crate::particles::{History, HistoryVariables, Owner, Particles};
 use rayon::prelude::*;
 use sphorge_physics::artificial_stress;
 
@@ -36,6 +36,7 @@ pub fn complete_initial_state(model: &Model, particles: &mut Particles) {
 
 /// Adds the columns that the options of a model need, and fills those that do not start with the value of the table.
 pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bool, is_initial: bool) {
+    let breaks = HistoryVariables::of(model).integrity().is_some();
     let wanted = [
         (Owner::Step, true),
         (Owner::Start, true),
@@ -46,6 +47,7 @@ pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bo
         (Owner::Contact, model.contact != BodyContact::Sph),
         (Owner::Faces, model.has_faces()),
         (Owner::Cells, model.has_faces() || model.meets_walls_at_facets()),
+        (Owner::BrokenFacets, model.has_facets() && model.has_self_contact() && breaks),
         (Owner::Friction, model.contact != BodyContact::Sph || model.walls.iter().any(Wall::rubs)),
         (Owner::FacetFriction, model.has_facets() && model.contact.has_friction()),
         (Owner::WallFriction, model.rubs_at_facets_of_walls()),

@@ -391,6 +391,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         if !self.idle(self.step.dt) {
             self.shift_to_faces();
             self.follow_evaluated();
+            self.take_out_severed();
         }
         Ok(())
     }

@@ -50,6 +50,11 @@ pub struct HistoryVariables {
 }
 
 impl HistoryVariables {
+    /// The place of the integrity among them, if some material loses it.
+    pub fn integrity(&self) -> Option<usize> {
+        place_of_integrity(&self.variables)
+    }
+
     /// Those of the materials of a model.
     pub fn of(model: &Model) -> Self {
         let mut variables: Vec<&'static HistoryVariable> = Vec::new();

@@ -30,6 +30,8 @@ pub enum Owner {
     Faces,
     /// Cells of particles with facets.
     Cells,
+    /// Facets of bodies that break and meet themselves.
+    BrokenFacets,
     /// Friction between bodies or at walls.
     Friction,
     /// Friction between bodies that meet at facets.
@@ -371,6 +373,8 @@ columns! {
 
     pub(crate) evaluated_gradient: Tensor<f64> = [[0.0; 3]; 3], Cells,
         Internal("1/s", "velocity gradient at which the facets of the last force sum moved"), Tensor[Contact], None;
+    pub(crate) facet_integrity: f64 = 1.0, BrokenFacets,
+        Internal("", "integrity at which the body of the particle meets itself at its facets"), Same[Contact], None;
     // A row for each axis of the cell: along the first edge of the facet and square to it, m, and the stiffness, N/m.
     pub(crate) slip_of_low_faces: Tensor<f64> = [[0.0; 3]; 3], FacetFriction,
         Internal("m", "tangential springs of the facets on the low sides of the cell"), Tensor[Overlaps], None;

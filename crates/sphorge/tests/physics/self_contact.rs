@@ -1,7 +1,7 @@
 //! Contact of a body with itself in the total Lagrangian form.
 
 use super::setup::{by_id, run_to, simulation};
-use sphorge::engine::Simulation;
+use sphorge::engine::{FieldSource, Simulation};
 
 /// Copper in plane strain, to be followed by bodies.
 const HEAD: &str = r#"
@@ -173,5 +173,57 @@ fn what_comes_apart_keeps_the_energy_its_contact_held() {
     assert!(most > 1e-3 * start.total_energy() && held(&simulation) == 0.0, "{most}");
     for drift in drifts(&simulation, &start) {
         assert!(drift.abs() < 1e-9, "{drift}");
+    }
+}
+
+/// A plate that is clamped at both ends and struck by a block; what is severed flies through its other pieces.
+const STRUCK: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "0.5 mm" }
+time = { end = "30 us" }
+[material.soft]
+density = "7800 kg/m^3"
+young-modulus = "200 GPa"
+poisson-ratio = 0.3
+strength = { perfectly-plastic = { yield-stress = "200 MPa" } }
+damage = { failure-strain = { strain = 0.1 } }
+after-failure = "delete"
+[material.hard]
+density = "7800 kg/m^3"
+young-modulus = "200 GPa"
+poisson-ratio = 0.3
+strength = "elastic"
+[[body]]
+name = "plate"
+material = "soft"
+shape = { box = { min = ["-12 mm", "-2 mm"], max = ["12 mm", "0 mm"] } }
+[[body]]
+name = "block"
+material = "hard"
+shape = { box = { min = ["-2 mm", "0 mm"], max = ["2 mm", "4 mm"] } }
+velocity = ["0 m/s", "-150 m/s"]
+[[region]]
+name = "rim"
+shape = { union = [{ box = { min = ["-12 mm", "-2 mm"], max = ["-10 mm", "0 mm"] } }, { box = { min = ["10 mm", "-2 mm"], max = ["12 mm", "0 mm"] } }] }
+[[motion]]
+region = "rim"
+velocity = ["0 m/s", "0 m/s"]
+"#;
+
+/// Facets that severed particles carried through their own body were met from behind: 1 kJ became 2 MJ at 10.56 us with "delete", and 14 and 37 us with
+/// the other two.
+#[test]
+fn what_is_severed_does_not_meet_its_own_body_from_behind() {
+    for (after, end) in [("delete", 12e-6), ("fluid", 30e-6)] {
+        let mut simulation = simulation(STRUCK, &[("material.soft.after-failure", after)]);
+        let supplied = simulation.ledger().unwrap().total.energies.kinetic;
+        run_to(&mut simulation, end);
+        let ledger = simulation.ledger().unwrap();
+        let made = ledger.integration_energy + ledger.contacts.iter().map(|c| c.integration_energy).sum::<f64>();
+        println!("{after}: {:.4} of the energy made by the steps", made / supplied);
+        assert!(made.abs() < 0.05 * supplied, "{after}: {made} J of {supplied}");
+        let integrity = simulation.read("integrity").unwrap();
+        let least = (0..integrity.len()).map(|k| integrity.component(k, 0)).fold(1.0, f64::min);
+        assert_eq!(least, 0.0, "{after}: nothing is severed");
     }
 }

@@ -8,11 +8,12 @@ use super::neighbors::{Pair, apart, at_start, different, over_cells};
 use super::reference::{Deformations, References, Separated};
 use super::section::{Crossing, Through};
 use crate::engine::columns::{
-    Binder, CompensatedVector, Group, NOTHING, Read, ReadColumns, ReadRecords, ReadShared, Recording, Records,
-    ValuedMember, VectorColumns, WriteColumns, added, groups, recording,
+    Binder, Compensated, CompensatedVector, Group, Member, NOTHING, Read, ReadColumns, ReadRecords, ReadShared,
+    Recording, Records, ValuedMember, VectorColumns, WriteColumns, added, groups, recording,
 };
 use crate::record::{Index, Indices, KernelFault, Recorded};
 use sphorge_engine::model::Model;
+use sphorge_engine::particles::HistoryVariables;
 use sphorge_engine::{ContactLaws, FacetLaws};
 use sphorge_physics::contact::{
     ContactForce, ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
@@ -140,6 +141,8 @@ pub(super) struct SelfPairs {
     reference: groups::Reference<Read>,
     constants: groups::Constants<Read>,
     apart: Option<Separated>,
+    /// Integrity, if some material loses it.
+    integrity: Option<Compensated<Read>>,
 }
 
 impl SelfPairs {
@@ -149,6 +152,7 @@ impl SelfPairs {
             reference: groups::Reference::read(bind),
             constants: groups::Constants::read(bind),
             apart: Separated::of(bind, model, references),
+            integrity: HistoryVariables::of(model).integrity().map(|place| groups::History::read(bind).of(place).value),
         };
         model.has_self_contact().then(|| of(bind))
     }
@@ -159,6 +163,10 @@ impl SelfPairs {
         let x = apart::<D>(image, &self.reference.position.get(i), &self.reference.position.get(j));
         let reach = Recorded::of(model.numerics.kernel.support()) * at_start(self.constants)(i);
         let meet = Recorded::select_lt(dot(x, x), reach * reach, zero, one);
+        // What is severed may be anywhere, within its own body too.
+        let meet = self.integrity.map_or(meet, |integrity| {
+            Recorded::select_lt(zero, integrity.high().get(i).min(integrity.high().get(j)), meet, zero)
+        });
         // A body that has separated is renewed often, and meets itself in the sums.
         self.apart.map_or(meet, |apart| Recorded::select_lt(apart.has_separated(i), Recorded::of(0.5), meet, zero))
     }

@@ -10,10 +10,9 @@ use crate::engine::columns::{
 use crate::record::{Double, Index, Indices, KernelFault, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_engine::particles::HistoryVariables;
-use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, corrected, gradient_correction};
+use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, corrected};
 use sphorge_physics::hourglass::is_fit;
 use sphorge_physics::hyperelastic::composed;
-use sphorge_physics::integrity::INTEGRITY;
 use sphorge_physics::pair::GradientSums;
 use sphorge_physics::tensor::{identity, multiply};
 use sphorge_physics::thin::{Across, completed_rate, correction_of_pieces, is_thin, reference_correction};
@@ -207,8 +206,7 @@ pub(in crate::engine) fn correct<const D: usize>(
 fn is_deleted(bind: &mut Binder<'_>, model: &Model, i: Index) -> Recorded {
     let deletes = |b: &usize| model.materials[model.bodies[*b].material].deletes();
     let deleting: Vec<usize> = (0..model.bodies.len()).filter(deletes).collect();
-    let variables = HistoryVariables::of(model).variables;
-    let place = variables.iter().position(|variable| variable.name == INTEGRITY.name);
+    let place = HistoryVariables::of(model).integrity();
     let Some(place) = place.filter(|_| !deleting.is_empty()) else { return Recorded::zero() };
     let (body, integrity) =
         (bind.indices(Group::Body).at(i).number(), groups::History::read(bind).of(place).value.high().get(i));
