@@ -4,6 +4,7 @@ use sphorge_engine::Particles;
 use sphorge_engine::model::{
     Body, BodyContact, Dimensions, Formulation, Integrator, Model, Precision, Search, WallSurface,
 };
+use sphorge_physics::damage::AfterFailure;
 use sphorge_physics::flow::FlowState;
 use sphorge_physics::integrity::smeared_width;
 use sphorge_physics::tensor::principal_values;
@@ -50,7 +51,24 @@ pub(crate) fn doubts(model: &Model, particles: &Particles) -> Vec<String> {
         .chain(beyond_metals(model, particles))
         .chain(thrown_back(model, particles))
         .chain(too_coarse_to_break(model))
+        .chain(held_as_a_fluid(model))
         .collect()
+}
+
+/// Bodies that break into a fluid that bears any tension, so that nothing lets go.
+fn held_as_a_fluid(model: &Model) -> Vec<String> {
+    let holds = |body: &&Body| {
+        let material = &model.materials[body.material];
+        !material.spalls() && material.damage.is_some_and(|damage| damage.after == AfterFailure::Fluid)
+    };
+    let told = |body: &Body| {
+        format!(
+            "body `{}` breaks into a fluid that bears any tension: `after-failure = \"fluid\"` lets go only above a `spall-pressure`, and its material \
+             has none; give it one, or take \"no-tension\"",
+            body.name
+        )
+    };
+    model.bodies.iter().filter(holds).map(told).collect()
 }
 
 /// Bodies in which a crack takes more than their material states, because integrity would fall faster than their particles unload.
@@ -418,6 +436,22 @@ mod tests {
         assert!(slow("2.2").len() == 1 && slow("2.2")[0].contains("extends over 4.4 spacings"), "{:?}", slow("2.2"));
         // What flies away from the wall strikes nothing.
         assert_eq!(of("iron-plate", &[("body.bar.velocity.1", "3000 m/s")]).notes, [""; 0]);
+    }
+
+    #[test]
+    fn a_fluid_that_never_lets_go_is_told() {
+        let notes = |more: &[(&str, &str)]| {
+            let deck = decks::find("crack-energy").unwrap();
+            let material = "material.steel";
+            let broken: Vec<_> =
+                more.iter().map(|&(key, value)| (format!("{material}.{key}"), value.to_owned())).collect();
+            load_text("crack-energy", deck.text, &broken).unwrap().notes.join("\n")
+        };
+        let fluid = ("after-failure", "fluid");
+        assert!(notes(&[fluid]).contains("breaks into a fluid that bears any tension"), "{}", notes(&[fluid]));
+        for quiet in [&[("after-failure", "delete")][..], &[fluid, ("spall-pressure", "2 GPa")]] {
+            assert!(!notes(quiet).contains("any tension"), "{}", notes(quiet));
+        }
     }
 
     #[test]
