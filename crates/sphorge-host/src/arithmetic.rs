@@ -76,7 +76,7 @@ fn bits(is_set: bool) -> u32 {
 }
 
 #[inline(always)]
-fn number(bits: u32) -> f32 {
+pub(crate) fn number(bits: u32) -> f32 {
     f32::from_bits(bits)
 }
 
@@ -115,19 +115,19 @@ pub(crate) fn unary(operation: Unary, to: &mut Row, mask: &Mask, a: &Row) {
 }
 
 #[inline(always)]
-pub(crate) fn binary(operation: Binary, to: &mut Row, mask: &Mask, [a, b]: [&Row; 2]) {
+pub(crate) fn binary<const AS_GPUS: bool>(operation: Binary, to: &mut Row, mask: &Mask, [a, b]: [&Row; 2]) {
     match operation {
         Binary::Add => each(to, |k| (number(a[k]) + number(b[k])).to_bits()),
         Binary::Subtract => each(to, |k| (number(a[k]) - number(b[k])).to_bits()),
         Binary::Multiply => each(to, |k| (number(a[k]) * number(b[k])).to_bits()),
         Binary::Divide => each(to, |k| (number(a[k]) / number(b[k])).to_bits()),
-        // As `fminf` and `fmaxf` have it.
+        // On GPUs as `fminf` and `fmaxf` have it.
         Binary::Minimum => each(to, |k| {
-            let takes_first = number(a[k]) < number(b[k]) || number(b[k]).is_nan();
+            let takes_first = number(a[k]) < number(b[k]) || AS_GPUS && number(b[k]).is_nan();
             if takes_first { a[k] } else { b[k] }
         }),
         Binary::Maximum => each(to, |k| {
-            let takes_first = number(a[k]) > number(b[k]) || number(b[k]).is_nan();
+            let takes_first = number(a[k]) > number(b[k]) || AS_GPUS && number(b[k]).is_nan();
             if takes_first { a[k] } else { b[k] }
         }),
         Binary::Power => call(to, mask, |k| number(a[k]).powf(number(b[k]))),

@@ -54,6 +54,11 @@ impl Builder {
         }
     }
 
+    /// Place of the next instruction.
+    pub fn place(&self) -> u32 {
+        self.here()
+    }
+
     fn here(&self) -> Place {
         self.instructions.len() as Place
     }

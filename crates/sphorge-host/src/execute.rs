@@ -1,8 +1,9 @@
 //! The execution of a program.
 
-use crate::arithmetic::{Mask, Row, assign, binary, multiply_add, select_less, unary};
-use crate::program::{Beyond, Instruction, Program, Register};
 use crate::LANES;
+use crate::arithmetic::{Mask, Row, assign, binary, multiply_add, select_less, unary};
+use crate::program::{Beyond, Binary, Instruction, Program, Register};
+use crate::study::{Kind, Observer, Plain, Study};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// A buffer of a launch. Other programs may work on it, but nothing that another thread does is waited for.
@@ -17,11 +18,30 @@ impl Program {
     /// # Panics
     /// There are more buffers or fewer than the program has.
     pub fn run(&self, buffers: &[Buffer<'_>], threads: u32) -> Result<(), Beyond> {
+        self.observed(buffers, 0..threads, &mut Plain)
+    }
+
+    /// Executes it for some of the threads, as laws are on a processor, and looks at what they do.
+    ///
+    /// # Errors
+    /// As above.
+    ///
+    /// # Panics
+    /// As above.
+    pub fn study(&self, buffers: &[Buffer<'_>], threads: &[u32], study: &mut Study) -> Result<(), Beyond> {
+        self.observed(buffers, threads.iter().copied(), study)
+    }
+
+    fn observed<O: Observer>(
+        &self,
+        buffers: &[Buffer<'_>],
+        mut threads: impl Iterator<Item = u32>,
+        observer: &mut O,
+    ) -> Result<(), Beyond> {
         assert_eq!(buffers.len(), self.buffers(), "buffers of the launch, and of the program");
         let mut machine = Machine::new(self, buffers);
-        for first in (0..threads).step_by(LANES) {
-            machine.start(first, (threads - first).min(LANES as u32) as usize);
-            machine.execute_by_best_instructions().map_err(|fault| machine.described(fault))?;
+        while machine.start(threads.by_ref().take(LANES)) {
+            machine.execute_by_best_instructions(observer).map_err(|fault| machine.described(fault))?;
         }
         Ok(())
     }
@@ -39,7 +59,6 @@ struct Machine<'a> {
     buffers: &'a [Buffer<'a>],
     /// Each by itself, so that one is taken out, written and put back.
     registers: Vec<Box<Row>>,
-    first_thread: u32,
     mask: Mask,
     /// Masks of what is around the innermost branch or loop; with a branch, that of its other part too.
     outer: Vec<Mask>,
@@ -52,17 +71,19 @@ impl<'a> Machine<'a> {
             *registers[*register as usize] = [*bits; LANES];
         }
         let mask = Mask::first(0);
-        Self { program, buffers, registers, first_thread: 0, mask, outer: Vec::new() }
+        Self { program, buffers, registers, mask, outer: Vec::new() }
     }
 
-    /// Makes it ready for some threads.
-    fn start(&mut self, first: u32, count: usize) {
-        self.first_thread = first;
-        self.mask = Mask::first(count);
-        let of = &mut self.registers[self.program.thread as usize];
-        for (k, thread) in of.iter_mut().enumerate() {
-            *thread = first.wrapping_add(k as u32);
+    /// Makes it ready for the next threads, as many as there are lanes, or fewer; whether there are any.
+    fn start(&mut self, threads: impl Iterator<Item = u32>) -> bool {
+        let mut count = 0;
+        let lanes = &mut self.registers[self.program.thread as usize];
+        for (lane, thread) in lanes.iter_mut().zip(threads) {
+            *lane = thread;
+            count += 1;
         }
+        self.mask = Mask::first(count);
+        count > 0
     }
 
     fn described(&self, fault: Fault) -> Beyond {
@@ -70,24 +91,24 @@ impl<'a> Machine<'a> {
             buffer: self.program.buffers[fault.buffer as usize].clone(),
             length: self.buffers[fault.buffer as usize].len(),
             index: fault.index,
-            thread: self.first_thread + fault.lane as u32,
+            thread: self.registers[self.program.thread as usize][fault.lane],
         }
     }
 
     /// With the instructions of this processor; results are the same with all.
-    fn execute_by_best_instructions(&mut self) -> Result<(), Fault> {
+    fn execute_by_best_instructions<O: Observer>(&mut self, observer: &mut O) -> Result<(), Fault> {
         #[cfg(target_arch = "x86_64")]
         if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
             // SAFETY: the processor has these instructions.
-            return unsafe { self.execute_avx2() };
+            return unsafe { self.execute_avx2(observer) };
         }
-        self.execute()
+        self.execute(observer)
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,fma")]
-    fn execute_avx2(&mut self) -> Result<(), Fault> {
-        self.execute()
+    fn execute_avx2<O: Observer>(&mut self, observer: &mut O) -> Result<(), Fault> {
+        self.execute(observer)
     }
 
     #[inline(always)]
@@ -104,22 +125,38 @@ impl<'a> Machine<'a> {
     }
 
     #[inline(always)]
-    fn execute(&mut self) -> Result<(), Fault> {
+    fn execute<O: Observer>(&mut self, observer: &mut O) -> Result<(), Fault> {
         let program = self.program;
         let (mut place, mut spare) = (0, Box::new([0; LANES]));
         while let Some(instruction) = program.instructions.get(place) {
             place += 1;
             match *instruction {
-                Instruction::Unary(operation, to, a) => {
-                    self.write(&mut spare, to, |own, to| unary(operation, to, &own.mask, own.row(a)));
-                }
-                Instruction::Binary(operation, to, of) => {
-                    self.write(&mut spare, to, |own, to| binary(operation, to, &own.mask, of.map(|a| own.row(a))));
-                }
-                Instruction::MultiplyAdd(to, of) => {
+                Instruction::Unary(operation, to, a) => self.write(&mut spare, to, |own, to| {
+                    unary(operation, to, &own.mask, own.row(a));
+                    observer.made(operation.into(), &own.mask, to);
+                }),
+                Instruction::Binary(operation, to, of) => self.write(&mut spare, to, |own, to| {
+                    let of = of.map(|a| own.row(a));
+                    if O::AS_GPUS {
+                        binary::<true>(operation, to, &own.mask, of);
+                    } else {
+                        binary::<false>(operation, to, &own.mask, of);
+                    }
+                    observer.made(operation.into(), &own.mask, to);
+                }),
+                Instruction::MultiplyAdd(to, of) if O::AS_GPUS => {
                     self.write(&mut spare, to, |own, to| multiply_add(to, of.map(|a| own.row(a))));
                 }
+                Instruction::MultiplyAdd(to, [a, b, c]) => self.write(&mut spare, to, |own, to| {
+                    let [a, b, c] = [a, b, c].map(|of| own.row(of));
+                    binary::<false>(Binary::Multiply, to, &own.mask, [a, b]);
+                    observer.made(Kind::SumOrProduct, &own.mask, to);
+                    let product = *to;
+                    binary::<false>(Binary::Add, to, &own.mask, [&product, c]);
+                    observer.made(Kind::SumOrProduct, &own.mask, to);
+                }),
                 Instruction::SelectLess(to, of) => {
+                    observer.chosen(place - 1, || self.mask.less(self.row(of[0]), self.row(of[1])));
                     self.write(&mut spare, to, |own, to| select_less(to, of.map(|a| own.row(a))));
                 }
                 Instruction::Assign { variable, value } => {
@@ -155,6 +192,7 @@ impl<'a> Machine<'a> {
                 }
                 Instruction::If { a, b, otherwise } => {
                     let [then, others] = self.mask.less(self.row(a), self.row(b));
+                    observer.chosen(place - 1, || [then.clone(), others.clone()]);
                     if then.is_empty {
                         place = otherwise as usize;
                     }

@@ -24,9 +24,11 @@ mod arithmetic;
 mod builder;
 mod execute;
 mod program;
+mod study;
 
 pub use builder::{Builder, Value, Variable};
-pub use program::{Binary, Beyond, Program, Unary};
+pub use program::{Beyond, Binary, Program, Unary};
+pub use study::{Study, Units};
 
 use std::sync::atomic::AtomicU32;
 

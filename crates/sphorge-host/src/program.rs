@@ -67,24 +67,57 @@ pub(crate) enum Instruction {
     MultiplyAdd(Register, [Register; 3]),
     /// The third where the first is below the second, else the fourth.
     SelectLess(Register, [Register; 4]),
-    Load { to: Register, buffer: u32, at: Register },
+    Load {
+        to: Register,
+        buffer: u32,
+        at: Register,
+    },
     /// Where the lane is not masked.
-    Assign { variable: Register, value: Register },
-    Store { buffer: u32, at: Register, value: Register },
+    Assign {
+        variable: Register,
+        value: Register,
+    },
+    Store {
+        buffer: u32,
+        at: Register,
+        value: Register,
+    },
     /// Adds one to an element, lane by lane; what it was before.
-    Count { to: Register, buffer: u32, at: Register },
+    Count {
+        to: Register,
+        buffer: u32,
+        at: Register,
+    },
     /// Lanes with `a < b` go on, if there are any; otherwise those of the other branch from there on.
-    If { a: Register, b: Register, otherwise: Place },
+    If {
+        a: Register,
+        b: Register,
+        otherwise: Place,
+    },
     /// The other lanes go on, if there are any; otherwise all from the end of the branch on.
-    Otherwise { end: Place },
+    Otherwise {
+        end: Place,
+    },
     EndIf,
     Loop,
     /// Lanes whose number is positive go on from the start of the loop.
-    EndLoop { again: Register, start: Place },
+    EndLoop {
+        again: Register,
+        start: Place,
+    },
     /// Lanes whose range is not empty go on, if there are any.
-    Range { counter: Register, first: Register, end: Register, exit: Place },
+    Range {
+        counter: Register,
+        first: Register,
+        end: Register,
+        exit: Place,
+    },
     /// Lanes whose counter is below the end after it was incremented go on from the start of the loop.
-    EndRange { counter: Register, end: Register, start: Place },
+    EndRange {
+        counter: Register,
+        end: Register,
+        start: Place,
+    },
 }
 
 /// What every thread of a launch does.

@@ -1,4 +1,4 @@
-use crate::{Binary, Beyond, Builder, LANES, Unary, memory};
+use crate::{Beyond, Binary, Builder, LANES, Unary, memory};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 fn numbers(memory: &[AtomicU32]) -> Vec<f32> {
