@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # What takes too long for every change, or draws at random: run whole before a release and after a change of numerics, on an idle machine.
 #
-#     scripts/nightly.sh [vulkan|mutations|attacks|fuzz|decks|validate]...     all of them without a name, some hours on two cores
+#     scripts/nightly.sh [cuda|vulkan|mutations|attacks|fuzz|decks|validate]...     all of them without a name, some hours on two cores
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-jobs=(vulkan mutations attacks fuzz decks validate)
+jobs=(cuda vulkan mutations attacks fuzz decks validate)
 for job in "$@"; do
     if [[ " ${jobs[*]} " != *" $job "* ]]; then
         echo "no job \`$job\`: there are ${jobs[*]}" >&2
@@ -19,8 +19,14 @@ sphorge=target/release/sphorge
 for job in "${jobs[@]}"; do
     printf '\n== %s\n' "$job"
     case $job in
+        # Every model by CUDA, whose driver and compiler are stood in for.
+        cuda)
+            scripts/cuda_stand_in.sh target/nightly/cuda-stand-in
+            LD_LIBRARY_PATH="$PWD/target/nightly/cuda-stand-in" STAND_IN_CACHE="$PWD/target/nightly/cuda-kernels" SPHORGE_NEEDS_CARD=CUDA \
+                cargo test -p sphorge-gpu --features device --lib --locked
+            ;;
         # Every model on Vulkan, that of a card or of the software renderer.
-        vulkan) SPHORGE_NEEDS_CARD=any cargo test -p sphorge-gpu --features device --lib --locked ;;
+        vulkan) SPHORGE_NEEDS_CARD=Vulkan cargo test -p sphorge-gpu --features device --lib --locked ;;
         # Shipped decks with slips, other ones each time.
         mutations) PROPTEST_CASES=20000 cargo test -p sphorge-cli --test mutations --locked ;;
         attacks)

@@ -14,7 +14,8 @@ Examples:
 NVIDIA cards are used through CUDA, which needs their driver and the compiler
 NVRTC. All cards can be used through Vulkan, Metal or Direct3D 12, which need
 only the driver. A software renderer (Debian: mesa-vulkan-drivers) can test
-that a deck runs, but is slower than the engine `cpu`.")]
+that a deck runs, but is slower than the engine `cpu`. So is `--device host`,
+which needs no driver: the program executes the kernels itself.")]
 pub(crate) struct DevicesArguments {}
 
 #[cfg(feature = "gpu")]

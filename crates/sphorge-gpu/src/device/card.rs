@@ -1,7 +1,8 @@
 //! A GPU that is open: its memory, kernels compiled for it, and launches.
 
-use super::found::{Candidate, candidates, choose};
+use super::found::{Candidate, find_called};
 use super::graphics::{self, Graphics};
+use super::host::{self, Host};
 use super::{CardFault, Found, Memory, Profile, cuda};
 use crate::record::Kernel;
 use crate::source;
@@ -27,6 +28,7 @@ pub struct Card {
 enum Way {
     Cuda(cuda::Cuda),
     Graphics(Graphics),
+    Host(Host),
 }
 
 /// A kernel compiled for a GPU.
@@ -42,6 +44,7 @@ pub struct Program {
 enum Compiled {
     Cuda(cuda::Compiled),
     Graphics(graphics::Pipeline),
+    Host(host::Compiled),
 }
 
 /// A kernel with its buffers.
@@ -65,6 +68,7 @@ struct Counting {
 enum Bound {
     Cuda(cuda::Bound),
     Graphics(graphics::Bound),
+    Host(host::Bound),
 }
 
 /// Numbers or whole numbers in the memory of a GPU.
@@ -79,6 +83,7 @@ pub struct Array {
 enum Buffer {
     Cuda(Arc<cuda::Block>),
     Graphics(wgpu::Buffer),
+    Host(Arc<host::Column>),
 }
 
 impl Array {
@@ -110,13 +115,14 @@ enum Copying {
     Nothing,
     Cuda(cuda::Copying),
     Graphics(graphics::Copying),
+    Host(host::Copying),
 }
 
 impl Reservation {
     fn close(mut self) -> Pending {
         match &mut self.copying {
             _ if self.filled == 0 => self.copying = Copying::Nothing,
-            Copying::Nothing => {}
+            Copying::Nothing | Copying::Host(_) => {}
             Copying::Cuda(copying) => copying.close(),
             Copying::Graphics(copying) => copying.close(),
         }
@@ -137,6 +143,7 @@ impl Pending {
             Copying::Nothing => Ok(Vec::new()),
             Copying::Cuda(copying) => copying.wait(),
             Copying::Graphics(copying) => copying.wait(),
+            Copying::Host(copying) => copying.wait(),
         }
     }
 }
@@ -161,13 +168,12 @@ impl Card {
     /// # Errors
     /// See [`Self::open`].
     pub fn open_number(asked: Option<&str>, number: usize) -> Result<Self, CardFault> {
-        let (candidates, missing) = candidates();
-        let chosen =
-            choose(asked, number, candidates, &missing).map_err(|(what, help)| CardFault::NotFound { what, help })?;
+        let chosen = find_called(asked, number).map_err(|(what, help)| CardFault::NotFound { what, help })?;
         let mut found = chosen.found().clone();
         let way = match &chosen {
             Candidate::Cuda(candidate) => Way::Cuda(candidate.open()?),
             Candidate::Graphics(adapter, _) => Way::Graphics(Graphics::open(adapter)?),
+            Candidate::Host(_) => Way::Host(Host::open()),
         };
         if let Way::Cuda(cuda) = &way {
             found.memory = cuda.memory().or(found.memory);
@@ -216,7 +222,7 @@ impl Card {
     pub fn memory(&self) -> Option<Memory> {
         match &self.way {
             Way::Cuda(cuda) => cuda.memory(),
-            Way::Graphics(_) => self.found.memory,
+            Way::Graphics(_) | Way::Host(_) => self.found.memory,
         }
     }
 
@@ -234,6 +240,7 @@ impl Card {
         let buffer = match &self.way {
             Way::Cuda(cuda) => cuda.zeros(bytes).map(Buffer::Cuda),
             Way::Graphics(graphics) => graphics.zeros(bytes).map(Buffer::Graphics),
+            Way::Host(host) => host.zeros(bytes).map(Buffer::Host),
         };
         Ok(Array { buffer: buffer.map_err(refused)?, count })
     }
@@ -272,6 +279,7 @@ impl Card {
         match (&self.way, &array.buffer) {
             (Way::Cuda(cuda), Buffer::Cuda(block)) => cuda.write(block, bytes),
             (Way::Graphics(graphics), Buffer::Graphics(buffer)) => graphics.write(buffer, bytes),
+            (Way::Host(host), Buffer::Host(column)) => host.write(column, bytes),
             _ => debug_assert!(false, "{OTHER_CARD}"),
         }
     }
@@ -288,9 +296,11 @@ impl Card {
     }
 
     fn compiled(&self, kernel: &Kernel) -> Result<Compiled, String> {
-        let text = match self.way {
+        let text = match &self.way {
             Way::Cuda(_) => source::cuda(kernel),
             Way::Graphics(_) => source::wgsl(kernel),
+            // There is no text, and this is as fast as to look whether there is one.
+            Way::Host(host) => return Ok(Compiled::Host(host.compile(kernel))),
         };
         let known = || self.compiled.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(compiled) = known().get(&text) {
@@ -300,6 +310,7 @@ impl Card {
         let compiled = match &self.way {
             Way::Cuda(cuda) => Compiled::Cuda(cuda.compile(kernel, &text)?),
             Way::Graphics(graphics) => Compiled::Graphics(graphics.compile(kernel, &text)?),
+            Way::Host(host) => Compiled::Host(host.compile(kernel)),
         };
         known().insert(text, compiled.clone());
         Ok(compiled)
@@ -340,7 +351,7 @@ impl Card {
             (Way::Cuda(cuda), Compiled::Cuda(of)) => {
                 let block = |array: &&Array| match &array.buffer {
                     Buffer::Cuda(block) => Some(block.clone()),
-                    Buffer::Graphics(_) => None,
+                    _ => None,
                 };
                 let blocks: Option<Vec<_>> = arrays.iter().map(block).collect();
                 cuda.bind(of, blocks.ok_or(OTHER_CARD)?, threads).map(Bound::Cuda)
@@ -348,10 +359,18 @@ impl Card {
             (Way::Graphics(graphics), Compiled::Graphics(of)) => {
                 let buffer = |array: &&Array| match &array.buffer {
                     Buffer::Graphics(buffer) => Some(buffer.clone()),
-                    Buffer::Cuda(_) => None,
+                    _ => None,
                 };
                 let buffers: Option<Vec<_>> = arrays.iter().map(buffer).collect();
                 graphics.bind(of, &buffers.ok_or(OTHER_CARD)?, threads).map(Bound::Graphics)
+            }
+            (Way::Host(host), Compiled::Host(of)) => {
+                let column = |array: &&Array| match &array.buffer {
+                    Buffer::Host(column) => Some(column.clone()),
+                    _ => None,
+                };
+                let columns: Option<Vec<_>> = arrays.iter().map(column).collect();
+                host.bind(of, columns.ok_or(OTHER_CARD)?, threads).map(Bound::Host)
             }
             _ => Err(OTHER_CARD.to_owned()),
         }
@@ -381,11 +400,15 @@ impl Card {
         match &self.way {
             Way::Cuda(cuda) => cuda.launch(bounds.filter_map(|bound| match bound {
                 Bound::Cuda(bound) => Some(bound),
-                Bound::Graphics(_) => None,
+                _ => None,
             })),
             Way::Graphics(graphics) => graphics.launch(bounds.filter_map(|bound| match bound {
                 Bound::Graphics(bound) => Some(bound),
-                Bound::Cuda(_) => None,
+                _ => None,
+            })),
+            Way::Host(host) => host.launch(bounds.filter_map(|bound| match bound {
+                Bound::Host(bound) => Some(bound),
+                _ => None,
             })),
         }
     }
@@ -405,6 +428,11 @@ impl Card {
                 graphics.wait()?;
                 Ok(start.elapsed().as_secs_f64())
             }
+            Way::Host(_) => {
+                let start = std::time::Instant::now();
+                self.launch_all(bounds);
+                Ok(start.elapsed().as_secs_f64())
+            }
         }
     }
 
@@ -420,6 +448,7 @@ impl Card {
                 None => return Ok(None),
             },
             Way::Graphics(graphics) => Copying::Graphics(graphics.reserve(count)),
+            Way::Host(host) => Copying::Host(host.reserve(count)),
         };
         Ok(Some(Reservation { copying, count, filled: 0 }))
     }
@@ -439,6 +468,7 @@ impl Card {
         match (&mut reservation.copying, &array.buffer) {
             (Copying::Cuda(copying), Buffer::Cuda(block)) => copying.add(block, count),
             (Copying::Graphics(copying), Buffer::Graphics(buffer)) => copying.add(buffer, count),
+            (Copying::Host(copying), Buffer::Host(column)) => copying.add(column, count),
             _ => return Err(refused(OTHER_CARD)),
         }
         reservation.filled += count;
@@ -492,6 +522,7 @@ impl Card {
         match (&self.way, &array.buffer) {
             (Way::Cuda(cuda), Buffer::Cuda(block)) => cuda.read(block, count),
             (Way::Graphics(graphics), Buffer::Graphics(buffer)) => graphics.read(buffer, count),
+            (Way::Host(host), Buffer::Host(column)) => host.read(column, count),
             _ => Err(CardFault::Lost { name: self.found.name.clone(), why: OTHER_CARD.to_owned() }),
         }
     }
@@ -501,8 +532,10 @@ impl Card {
 impl Array {
     /// Takes the memory of an array away, as a GPU that is lost does. With CUDA that would end every GPU of the process.
     pub(crate) fn destroy(&self) {
-        if let Buffer::Graphics(buffer) = &self.buffer {
-            buffer.destroy();
+        match &self.buffer {
+            Buffer::Graphics(buffer) => buffer.destroy(),
+            Buffer::Host(column) => column.destroy(),
+            Buffer::Cuda(_) => {}
         }
     }
 }

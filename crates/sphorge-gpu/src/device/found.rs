@@ -1,6 +1,6 @@
 //! What GPUs there are, and what is in the way of others.
 
-use super::{cuda, graphics};
+use super::{cuda, graphics, host};
 
 /// Through what a GPU is reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +13,8 @@ pub enum Interface {
     Metal,
     /// On Windows.
     Direct3d12,
+    /// None: the processor executes kernels itself.
+    Host,
 }
 
 impl std::fmt::Display for Interface {
@@ -22,6 +24,7 @@ impl std::fmt::Display for Interface {
             Self::Vulkan => "Vulkan",
             Self::Metal => "Metal",
             Self::Direct3d12 => "Direct3D 12",
+            Self::Host => "interpreter",
         })
     }
 }
@@ -89,13 +92,14 @@ pub struct Survey {
 pub(super) enum Candidate {
     Cuda(cuda::Candidate),
     Graphics(Box<wgpu::Adapter>, Found),
+    Host(Found),
 }
 
 impl Candidate {
     pub(super) fn found(&self) -> &Found {
         match self {
             Self::Cuda(candidate) => &candidate.found,
-            Self::Graphics(_, found) => found,
+            Self::Graphics(_, found) | Self::Host(found) => found,
         }
     }
 }
@@ -171,11 +175,20 @@ fn alike(all: &[&Found], first: usize, number: usize) -> usize {
     places[number % places.len()]
 }
 
-/// The first that is called so, or the first of all; or, of those that are called so and alike, the one of a number.
+/// The first that is called so, or the first of all; or, of those that are called so and alike, the one of a number. The processor only where
+/// it is asked for by its name, and then no driver is looked for.
 ///
 /// # Errors
 /// What was looked for and the way out.
-pub(super) fn choose(
+pub(super) fn find_called(asked: Option<&str>, number: usize) -> Result<Candidate, (String, String)> {
+    if host::is_called(asked) {
+        return Ok(Candidate::Host(host::found()));
+    }
+    let (candidates, missing) = candidates();
+    choose(asked, number, candidates, &missing)
+}
+
+fn choose(
     asked: Option<&str>,
     number: usize,
     candidates: Vec<Candidate>,

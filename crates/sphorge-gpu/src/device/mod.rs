@@ -6,6 +6,7 @@ mod deferred_error;
 mod fault;
 mod found;
 mod graphics;
+mod host;
 mod profile;
 #[cfg(target_os = "linux")]
 mod vulkan;

@@ -17,6 +17,6 @@ pub use double::Double;
 pub use index::Index;
 pub use kernel::{Counters, IndexOutput, Indices, Input, Kernel, KernelFault, Output, Scope};
 pub use number::Recorded;
-#[cfg(feature = "device")]
+#[cfg(any(test, feature = "device"))]
 pub(crate) use operation::Variable;
 pub(crate) use operation::{Access, Binary, Element, Operation, Statement, Unary, Value};

@@ -1,10 +1,9 @@
 //! What neighbour lists on a GPU miss, beside what the processor's engine says of its own.
 
-use super::card::card;
+use super::card::gpu;
 use super::contact::{RUBS, striking};
 use super::engine::{IRON, start_text};
 use super::self_contact::{BLOCKS, closing};
-use crate::Gpu;
 use sphorge_deck::decks;
 use sphorge_engine::{Audit, Cpu, EngineKind, Simulation};
 
@@ -31,7 +30,7 @@ velocity = ["0 m/s", "-200 m/s"]
 
 /// The audits of both engines to a time, s.
 fn audits(text: &str, overrides: &[(&str, &str)], end: f64) -> [Vec<Audit>; 2] {
-    [&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| {
+    [&Cpu as &dyn EngineKind, &gpu()].map(|kind| {
         let mut simulation = start_text(kind, "late", text, overrides);
         let mut audits = Vec::new();
         while simulation.time() < end {
@@ -43,9 +42,6 @@ fn audits(text: &str, overrides: &[(&str, &str)], end: f64) -> [Vec<Audit>; 2] {
 
 /// Compares audits: what is counted is the same, and errors as near as single precision has them.
 fn compare(text: &str, overrides: &[(&str, &str)], end: f64) -> Vec<Audit> {
-    if card().is_none() {
-        return Vec::new();
-    }
     let [theirs, ours] = audits(text, overrides, end);
     assert_eq!(ours.len(), theirs.len());
     assert!(!theirs.is_empty());
@@ -135,11 +131,8 @@ fn pairs(simulation: &Simulation) -> u64 {
 
 #[test]
 fn images_that_have_come_near_since_the_start_are_pairs() {
-    if card().is_none() {
-        return;
-    }
     let bar = [("particles.spacing", "\"0.95 mm\""), ("audit", "80")];
-    let mut simulation = start_text(&Gpu::default(), "bar", decks::find("copper-bar").unwrap().text, &bar);
+    let mut simulation = start_text(&gpu(), "bar", decks::find("copper-bar").unwrap().text, &bar);
     let at_start = pairs(&simulation);
     let audit = (0..80).find_map(|_| simulation.step(None).unwrap().audit).unwrap();
     assert_eq!(audit.pairs, pairs(&simulation));

@@ -1,33 +1,35 @@
-//! The same on a GPU, or on what stands for one: run with `--features device`.
+//! The same on a GPU, or on the processor in place of one: run with `--features device`.
 
 use super::laws::{Law, laws};
 use super::pairs::{self, Block};
 use super::rounded::Expected;
 use super::{SAMPLES, kernel_of};
+use crate::Gpu;
 use crate::device::{Card, CardFault, Interface};
 use crate::record::{Index, Kernel};
 
-/// The GPU the tests run on. Without one they say so and pass, unless `SPHORGE_NEEDS_CARD` says which there has to be, as where all is tested: by
-/// `CUDA` or `Vulkan`, or any.
-pub(crate) fn card() -> Option<Card> {
-    let needed = std::env::var("SPHORGE_NEEDS_CARD").ok();
-    match Card::open(None) {
-        Ok(card) => {
-            let title = card.found().title();
-            assert!(needed.is_none_or(|needed| needed == "any" || title.ends_with(&needed)), "{title}");
-            Some(card)
-        }
-        Err(fault) => {
-            assert!(needed.is_none(), "{fault}");
-            eprintln!("not tested: {fault}");
-            None
-        }
+/// The device the tests run on: the processor, unless `SPHORGE_NEEDS_CARD` says which there has to be, as where all is tested: that of `CUDA` or
+/// `Vulkan`, or the first of any.
+fn device() -> Option<String> {
+    match std::env::var("SPHORGE_NEEDS_CARD") {
+        Ok(words) => (words != "any").then_some(words),
+        Err(_) => Some("host".to_owned()),
     }
+}
+
+/// The same, opened.
+pub(crate) fn card() -> Card {
+    Card::open(device().as_deref()).unwrap()
+}
+
+/// The engine on this device.
+pub(crate) fn gpu() -> Gpu {
+    Gpu { device: device(), ..Gpu::default() }
 }
 
 #[test]
 fn laws_on_a_device_match_the_cpu() {
-    let Some(card) = card() else { return };
+    let card = card();
     // All laws are looked at before the test fails: time on a GPU is short.
     let differs = |law: &Law| {
         let kernel = kernel_of(law);
@@ -44,7 +46,7 @@ fn laws_on_a_device_match_the_cpu() {
 
 #[test]
 fn the_pair_loop_on_a_device_matches_the_cpu_and_is_reproducible() {
-    let Some(card) = card() else { return };
+    let card = card();
     let block = Block::new(9);
     let program = card.compile(&pairs::kernel(block.count).unwrap()).unwrap();
     let inputs = [
@@ -70,7 +72,7 @@ fn the_pair_loop_on_a_device_matches_the_cpu_and_is_reproducible() {
 
 #[test]
 fn launches_of_many_rows_reach_every_thread_once() {
-    let Some(card) = card() else { return };
+    let card = card();
     // More workgroups than a row has.
     let count = 65_535 * 64 + 12_345;
     let kernel = Kernel::record("count", |scope| {
@@ -95,7 +97,7 @@ fn a_missing_device_is_named() {
 
 #[test]
 fn errors_on_the_device_are_reported_by_the_next_read() {
-    let Some(card) = card() else { return };
+    let card = card();
     if card.found().interface == Interface::Cuda {
         // No other test of this process would have a GPU any more: `.ci/run` loses one under a run of the program.
         return;
@@ -118,7 +120,7 @@ fn errors_on_the_device_are_reported_by_the_next_read() {
 
 #[test]
 fn too_few_buffers_and_too_large_columns_are_refused() {
-    let Some(card) = card() else { return };
+    let card = card();
     let kernel = Kernel::record("two", |scope| {
         let (x, y) = (scope.input("x"), scope.output("y"));
         let i = scope.thread();
@@ -130,4 +132,22 @@ fn too_few_buffers_and_too_large_columns_are_refused() {
     let too_many = card.found().largest_buffer as usize / 4 + 1;
     let fault = card.zeros(too_many).unwrap_err();
     assert!(matches!(fault, CardFault::Memory { .. }), "{fault}");
+}
+
+#[test]
+fn an_access_beyond_a_column_is_named_by_the_processor() {
+    let host = Card::open(Some(" Host ")).unwrap();
+    assert_eq!(host.found().title(), "host processor by interpreter");
+    let kernel = Kernel::record("shift", |scope| {
+        let (x, y) = (scope.input("x"), scope.output("y"));
+        let i = scope.thread();
+        y.set(i, x.at(i + Index::of(1)));
+    });
+    let program = host.compile(&kernel.unwrap()).unwrap();
+    let (input, output) = (host.numbers(&[1.0, 2.0, 3.0]).unwrap(), host.zeros(3).unwrap());
+    host.launch([&host.bind(&program, &[&input, &output], 2).unwrap()]);
+    assert_eq!(host.read(&output).unwrap(), [2.0, 3.0, 0.0]);
+    host.launch([&host.bind(&program, &[&input, &output], 3).unwrap()]);
+    let fault = host.read(&output).unwrap_err().to_string();
+    assert!(fault.contains("kernel `shift`: thread 2 asks for element 3 of `x`, which has 3"), "{fault}");
 }

@@ -1,10 +1,9 @@
 //! Heat that flows on a GPU, beside the processor's engine.
 
-use super::card::card;
+use super::card::gpu;
 use super::contact::{RUBS, striking};
 use super::engine::{conserves_and_repeats, count_steps, start, start_text};
 use super::facet_contact;
-use crate::Gpu;
 use sphorge_deck::decks;
 use sphorge_engine::{Cpu, EngineKind, Simulation};
 
@@ -46,9 +45,7 @@ fn compare_where(runs: [Simulation; 2], end: f64, near: f64, is_conserved: bool)
 }
 
 fn compare(deck: &str, overrides: &[(&str, &str)], end: f64, near: f64) {
-    if card().is_some() {
-        compare_runs([&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| start(kind, deck, overrides)), end, near);
-    }
+    compare_runs([&Cpu as &dyn EngineKind, &gpu()].map(|kind| start(kind, deck, overrides)), end, near);
 }
 
 #[test]
@@ -74,10 +71,8 @@ fn heat_through_surfaces_matches_the_cpu() {
         region("top", "[\"20 mm\", \"40 mm\"]", "[\"60 mm\", \"80 mm\"]"),
     );
     let overrides = [("particles.spacing", "\"4 mm\""), ("thermal.boundary", boundaries)];
-    if card().is_some() {
-        let kinds = [&Cpu as &dyn EngineKind, &Gpu::default()];
-        compare_runs(kinds.map(|kind| start_text(kind, "surfaces", &text, &overrides)), 10.0, 1e-5);
-    }
+    let kinds = [&Cpu as &dyn EngineKind, &gpu()];
+    compare_runs(kinds.map(|kind| start_text(kind, "surfaces", &text, &overrides)), 10.0, 1e-5);
 }
 
 /// The quarter of a bar, whose metal conducts so well that heat flows through it while it is pressed flat.
@@ -91,14 +86,11 @@ fn heat_in_what_is_deformed_matches_the_cpu() {
 
 #[test]
 fn heat_flows_at_current_distances_where_sums_keep_former_ones() {
-    if card().is_none() {
-        return;
-    }
     for (search, is_conserved) in
         [("{ adaptive = { guard = \"none\" } }", false), ("{ total-lagrangian = { form = \"frozen\" } }", true)]
     {
         let bar = [BAR[0], BAR[1], ("method", "\"patino\""), ("search", search)];
-        let kinds = [&Cpu as &dyn EngineKind, &Gpu::default()];
+        let kinds = [&Cpu as &dyn EngineKind, &gpu()];
         compare_where(kinds.map(|kind| start(kind, "taylor-bar-42crmo4", &bar)), 6e-6, 3e-4, is_conserved);
     }
 }
@@ -113,15 +105,12 @@ const CONDUCT: [(&str, &str); 4] = [
 
 #[test]
 fn heat_passes_between_bodies_in_contact_as_on_the_cpu() {
-    if card().is_none() {
-        return;
-    }
     for more in [
         RUBS.to_owned(),
         facet_contact::RUBS.to_owned(),
         format!("method = \"patino\"\nsearch = \"every-step\"\n{RUBS}"),
     ] {
-        let kinds = [&Cpu as &dyn EngineKind, &Gpu::default()];
+        let kinds = [&Cpu as &dyn EngineKind, &gpu()];
         compare_runs(kinds.map(|kind| start_text(kind, "striking", &striking(&more), &CONDUCT)), 6e-6, 3e-4);
     }
 }
@@ -133,12 +122,9 @@ fn heat_conduction_is_reproducible_to_the_bit() {
 
 #[test]
 fn a_flux_that_cools_below_zero_ends_the_run_with_its_name() {
-    if card().is_none() {
-        return;
-    }
     let overrides =
         [("particles.spacing", "\"4 mm\""), ("thermal.boundary", "[{ name = \"out\", flux = \"-1e9 W/m^2\" }]")];
-    let mut simulation = start(&Gpu::default(), "convecting-block", &overrides);
+    let mut simulation = start(&gpu(), "convecting-block", &overrides);
     let failure = (0..60).find_map(|_| simulation.step(None).err()).expect("colder than absolute zero");
     assert!(failure.message.contains("removes more heat than it contains") && failure.particle.is_some(), "{failure}");
     assert!(!failure.step_may_be_smaller);

@@ -1,8 +1,7 @@
 //! Bodies that meet in the contact on a GPU, beside the processor's engine.
 
-use super::card::card;
+use super::card::gpu;
 use super::engine::{conserves_and_repeats_text, count_steps, drifts, start_text};
-use crate::Gpu;
 use sphorge_engine::{Cpu, EngineKind, Simulation};
 
 /// Blocks of copper, of iron and of copper again, of other spacings: the upper strikes the middle, 1 mm to the right, which strikes the lower.
@@ -100,10 +99,7 @@ fn numbers(simulation: &Simulation) -> Vec<(String, f64, f64)> {
 
 /// Runs of both engines to a time, s, through the middle of it; how near they must be.
 pub(super) fn compare(deck: &str, overrides: &[(&str, &str)], end: f64, near: f64) {
-    if card().is_none() {
-        return;
-    }
-    let [theirs, ours] = [&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| {
+    let [theirs, ours] = [&Cpu as &dyn EngineKind, &gpu()].map(|kind| {
         let mut simulation = start_text(kind, "striking", deck, overrides);
         let first = simulation.ledger().unwrap();
         let states = [0.5 * end, end].map(|end| (count_steps(&mut simulation, end), numbers(&simulation)));

@@ -1,18 +1,14 @@
 //! Fields that are copied out while the GPU goes on.
 
-use super::card::card;
+use super::card::gpu;
 use super::engine::{IRON, components, start};
-use crate::Gpu;
 use sphorge_engine::FieldSource;
 use sphorge_engine::particles::FIELDS;
 
 #[test]
 fn detached_fields_do_not_change_with_later_steps() {
-    if card().is_none() {
-        return;
-    }
     let renewal = ("search.total-lagrangian.renewal", "1.1");
-    let new = || start(&Gpu::default(), IRON.0, &[IRON.1[0], IRON.1[1], renewal]);
+    let new = || start(&gpu(), IRON.0, &[IRON.1[0], IRON.1[1], renewal]);
     let (mut plain, mut going_on) = (new(), new());
     for step in 0..40 {
         for simulation in [&mut plain, &mut going_on] {

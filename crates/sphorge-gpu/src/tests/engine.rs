@@ -1,7 +1,6 @@
 //! Whole steps on a GPU, beside those of the processor.
 
-use super::card::card;
-use crate::Gpu;
+use super::card::gpu;
 use sphorge_deck::{decks, load_text};
 use sphorge_engine::model::{Model, ParticleSelection, Precision};
 use sphorge_engine::particles::FIELDS;
@@ -53,13 +52,10 @@ pub(super) fn compare(deck: &str, overrides: &[(&str, &str)], end: f64, near: f6
 
 /// The same, of the work of the hourglass springs, the damping of walls and their force too where that is asked for.
 fn compare_with_noise(deck: &str, overrides: &[(&str, &str)], end: f64, near: f64, of_noise: bool) {
-    if card().is_none() {
-        return;
-    }
     // In double precision: nearer to what both approximate.
     let double = [overrides, &[("numerics.precision", "\"double\"")]].concat();
     let theirs = run(&mut start(&Cpu, deck, &double), end);
-    let ours = run(&mut start(&Gpu::default(), deck, overrides), end);
+    let ours = run(&mut start(&gpu(), deck, overrides), end);
     let close = |what: &str, ours: f64, theirs: f64, scale: f64| {
         assert!((ours - theirs).abs() <= near * scale, "{deck}, {what}: {ours} on the card, {theirs}");
     };
@@ -139,10 +135,7 @@ pub(super) fn compare_fields(deck: &str, overrides: &[(&str, &str)], end: f64) {
 
 /// Runs of the two engines, and how near every field of every particle must be, over the largest value of it.
 fn compare_fields_to(deck: &str, overrides: &[(&str, &str)], end: f64, near: f64) {
-    if card().is_none() {
-        return;
-    }
-    let simulations = [&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| {
+    let simulations = [&Cpu as &dyn EngineKind, &gpu()].map(|kind| {
         let mut simulation = start(kind, deck, overrides);
         run(&mut simulation, end);
         simulation
@@ -241,7 +234,7 @@ fn segments_as_walls_match_the_cpu() {
     );
     let overrides = [IRON.1[0], ("wall", walls)].map(|(path, value)| (path.to_owned(), value.to_owned()));
     let model = load_text(IRON.0, decks::find(IRON.0).unwrap().text, &overrides).unwrap().model;
-    assert!(Gpu::default().supports(&model).is_err_and(|refusal| refusal.help.contains("particles")));
+    assert!(gpu().supports(&model).is_err_and(|refusal| refusal.help.contains("particles")));
     compare(IRON.0, &[IRON.1[0], ("wall", &at_particles)], 6e-6, 1e-4);
 }
 
@@ -282,10 +275,7 @@ fn the_default_method_matches_the_cpu() {
 
 #[test]
 fn measures_are_taken_at_deformed_faces() {
-    if card().is_none() {
-        return;
-    }
-    let [theirs, ours] = [&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| {
+    let [theirs, ours] = [&Cpu as &dyn EngineKind, &gpu()].map(|kind| {
         let mut simulation = start(kind, IRON.0, IRON.1);
         run(&mut simulation, 10e-6);
         let of = ParticleSelection::default();
@@ -323,12 +313,9 @@ fn planes_of_symmetry_match_the_cpu() {
 
 #[test]
 fn flattened_particles_take_the_steps_of_the_cpu() {
-    if card().is_none() {
-        return;
-    }
     let fast = [IRON.1[0], IRON.1[1], ("body.bar.velocity", "[\"0 m/s\", \"-400 m/s\"]")];
     let [theirs, ours] =
-        [&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| count_steps(&mut start(kind, IRON.0, &fast), 20e-6));
+        [&Cpu as &dyn EngineKind, &gpu()].map(|kind| count_steps(&mut start(kind, IRON.0, &fast), 20e-6));
     assert!(ours.abs_diff(theirs) <= 2, "{ours} steps on the card, {theirs}");
 }
 
@@ -435,10 +422,7 @@ pub(super) fn conserves_and_repeats_text(name: &str, text: &str, overrides: &[(&
 
 /// Runs to twice a time (s), from half of it again from a saved state; and the drift that rounding may leave.
 pub(super) fn repeats_and_conserves_to(rounding: f64, name: &str, text: &str, overrides: &[(&str, &str)], half: f64) {
-    if card().is_none() {
-        return;
-    }
-    let kind = Gpu::default();
+    let kind = gpu();
     let end = 2.0 * half;
     let [mut first, mut second] = [(); 2].map(|()| start_text(&kind, name, text, overrides));
     let start_of = first.ledger().unwrap();
@@ -481,7 +465,7 @@ pub(super) fn drifts(simulation: &Simulation, first: &Ledger) -> (f64, f64) {
 fn every_shipped_deck_is_supported_except_in_double_precision() {
     for deck in decks::DECKS {
         let load = |overrides: &[(String, String)]| load_text(deck.name, deck.text, overrides).unwrap().model;
-        let refused = |model: &Model| Gpu::default().supports(model).err().map(|refusal| refusal.what);
+        let refused = |model: &Model| gpu().supports(model).err().map(|refusal| refusal.what);
         let model = load(&[]);
         let is_double = model.numerics.precision == Precision::Double;
         let what = refused(&model);
@@ -496,18 +480,15 @@ fn every_shipped_deck_is_supported_except_in_double_precision() {
 fn double_precision_is_refused_with_the_reason() {
     let deck = decks::find("elastic-bar").unwrap();
     let setup = load_text(deck.name, deck.text, &[]).unwrap();
-    let refusal = Gpu::default().supports(&setup.model).unwrap_err();
+    let refusal = gpu().supports(&setup.model).unwrap_err();
     assert!(refusal.what.contains("cards compute pairs in single precision"), "{refusal:?}");
     assert!(refusal.help.contains("numerics.precision") && refusal.help.contains("--engine cpu"), "{refusal:?}");
 }
 
 #[test]
 fn a_step_that_is_too_long_is_named_and_can_be_shorter() {
-    if card().is_none() {
-        return;
-    }
     let long = [PLATE.1[0], ("time.courant", "1.0"), ("time.step-control.jump", "0.001")];
-    let mut simulation = start(&Gpu::default(), PLATE.0, &long);
+    let mut simulation = start(&gpu(), PLATE.0, &long);
     let failure = (0..60).find_map(|_| simulation.step(None).err()).expect("a step that is too long");
     assert!(failure.step_may_be_smaller && failure.particle.is_some(), "{failure}");
     assert!(failure.message.contains("smoothing lengths in one step, more than the 0.001 of"), "{failure}");

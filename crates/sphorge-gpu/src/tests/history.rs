@@ -1,8 +1,7 @@
 //! A flow law with a history of its own, and integrity, on a GPU, beside the processor's engine.
 
-use super::card::card;
+use super::card::gpu;
 use super::engine::{IRON, components, drifts, start_text};
-use crate::Gpu;
 use sphorge_deck::{decks, load_text};
 use sphorge_engine::persist::MemoryArchive;
 use sphorge_engine::{Cpu, EngineKind, FieldSource, Simulation};
@@ -27,10 +26,7 @@ fn run(simulation: &mut Simulation, end: f64) {
 }
 
 fn compare(overrides: &[(&str, &str)], end: f64, work: f64) {
-    if card().is_none() {
-        return;
-    }
-    let [theirs, ours] = [&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| {
+    let [theirs, ours] = [&Cpu as &dyn EngineKind, &gpu()].map(|kind| {
         let mut simulation = start(kind, overrides, work);
         run(&mut simulation, end);
         simulation
@@ -57,10 +53,7 @@ fn damage_grows_as_on_the_cpu() {
 
 #[test]
 fn damage_is_saved_and_guarded() {
-    if card().is_none() {
-        return;
-    }
-    let new = || start(&Gpu::default(), &IRON.1[..2], 1e9);
+    let new = || start(&gpu(), &IRON.1[..2], 1e9);
     let mut first = new();
     let start_of = first.ledger().unwrap();
     run(&mut first, 2e-6);
@@ -75,7 +68,7 @@ fn damage_is_saved_and_guarded() {
     assert!(first_damage == second_damage && first_damage.iter().any(|damage| *damage > 0.01));
     assert!(drifts(&first, &start_of).0.abs() < 2e-8);
     // A negative work to failure would mend what is broken: below zero the law does not allow it.
-    let mut mended = start(&Gpu::default(), &IRON.1[..2], -1e9);
+    let mut mended = start(&gpu(), &IRON.1[..2], -1e9);
     let failure = (0..2000).find_map(|_| mended.step(None).err()).expect("damage below zero");
     assert_eq!((failure.field, failure.particle.is_some()), ("damage", true), "{failure}");
 }
@@ -99,15 +92,12 @@ velocity-profile = { along = "x", amplitude = ["100 m/s", "20 m/s"], rows = [["-
 
 #[test]
 fn integrity_is_lost_as_on_the_cpu() {
-    if card().is_none() {
-        return;
-    }
     for overrides in [
         &[("method", "total-lagrangian"), ("numerics.temperature", "energy")][..],
         &[("method", "updated-lagrangian")],
         &[("method", "updated-lagrangian"), ("numerics.integrator", "predictor-corrector")],
     ] {
-        let [theirs, ours] = [&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| {
+        let [theirs, ours] = [&Cpu as &dyn EngineKind, &gpu()].map(|kind| {
             let mut simulation = start_text(kind, "torn", TORN, overrides);
             run(&mut simulation, 3e-6);
             simulation
@@ -155,12 +145,9 @@ const BREAKS: [(&str, &[(&str, &str)]); 4] = [
 
 #[test]
 fn damage_grows_and_metal_breaks_as_on_the_cpu() {
-    if card().is_none() {
-        return;
-    }
     for (law, more) in BREAKS {
         let overrides = [&[("material.iron.damage", law), ("material.iron.spall-pressure", "50 GPa")], more].concat();
-        let [theirs, ours] = [&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| {
+        let [theirs, ours] = [&Cpu as &dyn EngineKind, &gpu()].map(|kind| {
             let mut simulation = start_text(kind, "torn", TORN, &overrides);
             run(&mut simulation, 4e-6);
             simulation

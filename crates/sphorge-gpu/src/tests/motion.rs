@@ -1,8 +1,7 @@
 //! Bodies that a deck drives on a GPU, beside the processor's engine.
 
-use super::card::card;
+use super::card::gpu;
 use super::engine::{conserves_and_repeats_text, count_steps, drifts, start_text};
-use crate::Gpu;
 use sphorge_engine::{Cpu, EngineKind, Ledger, Particles};
 
 /// Copper whose top is pushed down and to the side, faster and faster; the bottom is held up and free to slide, the foot of a corner of
@@ -32,10 +31,7 @@ const PRESENT_LEAPFROG: &str =
 /// Runs of both engines to a time, s: energies and the work and impulse of what drives, places, and the reactions, which are forces of single
 /// particles, ten times as far.
 fn compare(deck: &str, end: f64, near: f64) {
-    if card().is_none() {
-        return;
-    }
-    let [theirs, ours]: [(Particles, Ledger); 2] = [&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| {
+    let [theirs, ours]: [(Particles, Ledger); 2] = [&Cpu as &dyn EngineKind, &gpu()].map(|kind| {
         let mut simulation = start_text(kind, "driven", deck, &[]);
         let first = simulation.ledger().unwrap();
         count_steps(&mut simulation, end);
@@ -88,9 +84,6 @@ fn prescribed_motion_is_reproducible_to_the_bit() {
 
 #[test]
 fn forces_on_driven_particles_do_not_limit_the_step() {
-    if card().is_none() {
-        return;
-    }
     // All of it is held against a gravity that would move it by a hundredth of a smoothing length and more in a step.
     let deck = "dimensions = \"plane-strain\"\nparticles = { spacing = \"0.5 mm\" }\ngravity = [\"1e12 m/s^2\", \"0 m/s^2\"]\n\
                 time = { end = \"60 us\", step-control = { jump = 1e-3 } }\n\
@@ -100,7 +93,7 @@ fn forces_on_driven_particles_do_not_limit_the_step() {
                 shape = { box = { min = [\"-3 mm\", \"-4 mm\"], max = [\"3 mm\", \"4 mm\"] } }\n";
     let held = "[[motion]]\nregion = \"all\"\nvelocity = [\"0 m/s\", \"0 m/s\"]\n";
     for (deck, fails) in [(deck.to_owned(), true), (format!("{deck}{held}"), false)] {
-        let mut simulation = start_text(&Gpu::default(), "held", &deck, &[]);
+        let mut simulation = start_text(&gpu(), "held", &deck, &[]);
         let failure = (0..3).find_map(|_| simulation.step(None).err());
         assert_eq!(failure.is_some_and(|failure| failure.step_may_be_smaller), fails);
     }

@@ -1,6 +1,6 @@
 //! Several GPUs that share the particles of a run: to the bit what one GPU computes. Ranks are threads here.
 
-use super::card::card;
+use super::card::gpu;
 use super::contact::{CONDUCT, PRESENT, RUBS, in_space, slabs, striking};
 use super::engine::{IRON, components, start_text};
 use super::facet_contact;
@@ -8,7 +8,6 @@ use super::periodic::{ACROSS, JOINED, LEAVES};
 use super::renewal::PULLED;
 use super::self_contact::{BLOCKS, closing};
 use super::verlet_lists::BULLET;
-use crate::Gpu;
 use sphorge_deck::{Setup, decks, load_text};
 use sphorge_engine::model::{Extremum, ParticleSelection};
 use sphorge_engine::particles::FIELDS;
@@ -71,7 +70,7 @@ impl RankFiles for Deck<'_> {
 
 /// What the first of some GPUs makes of them.
 fn led<T>(deck: Deck<'_>, ranks: usize, lead: impl FnOnce(&Leader) -> T) -> T {
-    let kind: Arc<dyn PartKind> = Arc::new(Gpu::default());
+    let kind: Arc<dyn PartKind> = Arc::new(gpu());
     let mut communicators = threads(ranks);
     thread::scope(|scope| {
         for communicator in communicators.split_off(1) {
@@ -132,10 +131,7 @@ fn assert_same(found: &Simulation, expected: &Simulation, what: &str) {
 
 /// Compares so many steps on each number of ranks with one GPU.
 fn compare(deck: Deck<'_>, steps: u64, ranks: &[usize]) {
-    if card().is_none() {
-        return;
-    }
-    let mut alone = deck.start(&Gpu::default());
+    let mut alone = deck.start(&gpu());
     let told = run(&mut alone, steps);
     for ranks in ranks {
         led(deck, *ranks, |root| {
@@ -225,9 +221,6 @@ fn bodies_in_contact() {
 
 #[test]
 fn approaching_bodies_need_capacity_for_more_ghosts() {
-    if card().is_none() {
-        return;
-    }
     let plate = |name: &str, y: [f64; 2], velocity: f64| {
         format!(
             "[[body]]\nname = \"{name}\"\nmaterial = \"ofhc-copper\"\nvelocity = [\"0 m/s\", \"{velocity} m/s\"]\n\
@@ -240,7 +233,7 @@ fn approaching_bodies_need_capacity_for_more_ghosts() {
     for method in [format!("{RUBS}\n"), format!("{PRESENT}\n{RUBS}\n")] {
         let text = format!("{head}{method}{lower}{upper}");
         let deck = Deck { name: "plates", text: &text, overrides: &[] };
-        let mut alone = deck.start(&Gpu::default());
+        let mut alone = deck.start(&gpu());
         run(&mut alone, 70);
         led(deck, 2, |root| {
             let mut simulation = deck.start(root);
@@ -275,9 +268,6 @@ fn heat_that_flows() {
 
 #[test]
 fn a_state_is_the_same_whoever_has_saved_it() {
-    if card().is_none() {
-        return;
-    }
     let text = striking(&format!("{PRESENT}\n{RUBS}"));
     let skin = [("search", "\"skin\""), ("numerics.integrator", "\"leapfrog\"")];
     let adaptive = [("search", "\"adaptive\""), skin[1]];
@@ -287,7 +277,7 @@ fn a_state_is_the_same_whoever_has_saved_it() {
         Deck { name: "striking", text: &text, overrides: &skin },
         Deck { name: "striking", text: &text, overrides: &adaptive },
     ] {
-        let mut alone = deck.start(&Gpu::default());
+        let mut alone = deck.start(&gpu());
         let (half, end) = (60, 100);
         run(&mut alone, half);
         let mut archive = MemoryArchive::new();
@@ -312,7 +302,7 @@ fn a_state_is_the_same_whoever_has_saved_it() {
                 saved
             });
         }
-        let mut again = deck.start(&Gpu::default());
+        let mut again = deck.start(&gpu());
         again.persist(&mut archive.to_load()).unwrap();
         run(&mut again, end);
         assert_same(&again, &alone, &format!("{} from the state of three ranks", deck.name));
@@ -321,9 +311,6 @@ fn a_state_is_the_same_whoever_has_saved_it() {
 
 #[test]
 fn a_failure_is_that_of_the_rank_that_has_the_particle() {
-    if card().is_none() {
-        return;
-    }
     let deck = Deck::shipped(
         "taylor-plate",
         &[PLATE, ("time.step-control.stretch", "0.001"), ("body.plate.velocity", "[\"0 m/s\", \"-900 m/s\"]")],
@@ -332,7 +319,7 @@ fn a_failure_is_that_of_the_rank_that_has_the_particle() {
         let mut simulation = deck.start(kind);
         (0..200).find_map(|_| simulation.step(None).err()).expect("changes of a thousandth are too large")
     };
-    let alone = fails(&Gpu::default());
+    let alone = fails(&gpu());
     assert!(alone.particle.is_some(), "{alone}");
     for ranks in [2, 3] {
         assert_eq!(led(deck, ranks, |root| fails(root)), alone);

@@ -1,10 +1,9 @@
 //! Bodies that separate on a GPU, whose reference configuration is renewed, beside the processor's engine.
 
-use super::card::card;
+use super::card::gpu;
 use super::engine::{IRON, components, count_steps, drifts, repeats_and_conserves_to, start_text};
 use super::facet_contact;
 use super::self_contact::{BLOCKS, RUBS, closing};
-use crate::Gpu;
 use sphorge_deck::decks;
 use sphorge_engine::persist::MemoryArchive;
 use sphorge_engine::{Cpu, EngineKind, FieldSource, Simulation};
@@ -32,10 +31,7 @@ fn renewals(simulation: &mut Simulation, end: f64) -> Vec<u32> {
 
 /// Runs of both engines to a time, s, through so many renewals at least, in the same steps; how near energies and fields must be.
 pub(super) fn compare(text: &str, overrides: &[(&str, &str)], end: f64, least: usize, (near, of_fields): (f64, f64)) {
-    if card().is_none() {
-        return;
-    }
-    let [theirs, ours] = [&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| {
+    let [theirs, ours] = [&Cpu as &dyn EngineKind, &gpu()].map(|kind| {
         let mut simulation = start_text(kind, "apart", text, overrides);
         let start = simulation.ledger().unwrap();
         let steps = renewals(&mut simulation, end);
@@ -177,14 +173,11 @@ fn come_apart_and_keep(contact: &str, of_fields: f64) {
 
 #[test]
 fn states_before_and_after_a_renewal_resume_to_the_same_bits() {
-    if card().is_none() {
-        return;
-    }
     let renewal = [IRON.1[0], IRON.1[1], ("search.total-lagrangian.renewal", "1.1")];
     // That of the processor in single precision is 1e-8 to 2e-8 here.
     repeats_and_conserves_to(5e-8, IRON.0, shipped(IRON.0), &renewal, 8e-6);
     // A state of before the first, as a step that is repeated takes it back.
-    let mut simulation = start_text(&Gpu::default(), IRON.0, shipped(IRON.0), &renewal);
+    let mut simulation = start_text(&gpu(), IRON.0, shipped(IRON.0), &renewal);
     count_steps(&mut simulation, 0.5e-6);
     let mut archive = MemoryArchive::new();
     simulation.persist(&mut archive).unwrap();

@@ -2,9 +2,9 @@
 
 use super::laws::{Law, laws};
 use super::{SAMPLES, expected, kernel_of, same};
-use crate::evaluate::{Evaluation, Units};
+use crate::evaluate::{Evaluation, Loaded, Units};
 use crate::record::{Binary, Kernel, Operation, Statement, Value};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// What a GPU may round away of a law, as a share of the larger of a result and [`FLOOR`] times the largest result of its kind: elementary
 /// functions of GPUs are good to some units of round-off, and powers to some more.
@@ -40,8 +40,8 @@ impl<'a> Expected<'a> {
     pub(super) fn difference(&self, kernel: &Kernel, ours: &[f32], enough: usize) -> Option<String> {
         let law = self.law;
         let (mut wrong, mut worst) = (0, (0.0, String::new()));
-        let mut spreads =
-            Spreads { kernel, buffers: [self.arguments.clone(), self.results.clone()], known: HashMap::new() };
+        // What is farther off than laws that magnify nothing: sample, result, how far, and how far it may be.
+        let mut far_off = Vec::new();
         for (result, (ours, theirs)) in ours.chunks(SAMPLES).zip(self.results.chunks(SAMPLES)).enumerate() {
             let finite = || theirs.iter().filter(|number| number.is_finite());
             let largest = finite().fold(0.0f32, |a, b| a.max(b.abs()));
@@ -50,59 +50,58 @@ impl<'a> Expected<'a> {
             for (k, (ours, theirs)) in ours.iter().zip(theirs).enumerate() {
                 let scale = theirs.abs().max(FLOOR * largest).max(f32::MIN_POSITIVE);
                 let off = (ours - theirs).abs();
-                if same(*theirs, *ours) || off < rounding * scale {
-                    continue;
+                let is_near = same(*theirs, *ours) || off < rounding * scale;
+                if !is_near {
+                    far_off.push((k, result, off, rounding * scale));
                 }
-                let spread = spreads.of(&self.results, k)[result];
-                let bound = rounding * scale + TIMES * spread;
-                if off < bound {
-                    continue;
-                }
-                wrong += 1;
-                // What is no number here or there is worse than any that is.
-                let share = if off.is_finite() { off / bound } else { f32::INFINITY };
-                if share > worst.0 {
-                    let sample: Vec<_> = (0..law.ranges.len()).map(|a| self.arguments[a * SAMPLES + k]).collect();
-                    worst = (
-                        share,
-                        format!(
-                            "result {result} of {sample:?}: {ours} in place of {theirs}, {share:.2} times what may be rounded, of which {spread:e} where operations round at random"
-                        ),
-                    );
-                }
-                if wrong == enough {
-                    return Some(format!("{}: {wrong} results and more, the worst so far {}", law.name, worst.1));
-                }
+            }
+        }
+        let samples: BTreeSet<usize> = far_off.iter().map(|(k, ..)| *k).collect();
+        let spreads = self.spreads(kernel, &samples.into_iter().collect::<Vec<_>>());
+        for (k, result, off, of_rounding) in far_off {
+            let spread = spreads[&k][result];
+            let bound = of_rounding + TIMES * spread;
+            if off < bound {
+                continue;
+            }
+            wrong += 1;
+            // What is no number here or there is worse than any that is.
+            let share = if off.is_finite() { off / bound } else { f32::INFINITY };
+            if share > worst.0 {
+                let sample: Vec<_> = (0..law.ranges.len()).map(|a| self.arguments[a * SAMPLES + k]).collect();
+                let [ours, theirs] = [ours, &self.results].map(|of| of[result * SAMPLES + k]);
+                worst = (
+                    share,
+                    format!(
+                        "result {result} of {sample:?}: {ours} in place of {theirs}, {share:.2} times what may be rounded, of which {spread:e} where operations round at random"
+                    ),
+                );
+            }
+            if wrong == enough {
+                return Some(format!("{}: {wrong} results and more, the worst so far {}", law.name, worst.1));
             }
         }
         (wrong > 0).then(|| format!("{}: {wrong} results, the worst {}", law.name, worst.1))
     }
-}
 
-/// How far results of samples are off where operations round at random.
-struct Spreads<'a> {
-    kernel: &'a Kernel,
-    buffers: [Vec<f32>; 2],
-    known: HashMap<usize, Vec<f32>>,
-}
-
-impl Spreads<'_> {
-    /// Of every result of a sample.
-    fn of(&mut self, results: &[f32], k: usize) -> &[f32] {
-        let (kernel, buffers) = (self.kernel, &mut self.buffers);
-        self.known.entry(k).or_insert_with(|| {
-            let mut farthest = vec![0.0f32; results.len() / SAMPLES];
-            for number in 0..EVALUATIONS {
-                let thread = k as u32;
-                Evaluation::rounding_at_random(OF_CARDS, number).run_some(kernel, buffers, thread..thread + 1);
+    /// How far results of samples are off where operations round at random, by sample.
+    fn spreads(&self, kernel: &Kernel, samples: &[usize]) -> HashMap<usize, Vec<f32>> {
+        let loaded = Loaded::new(kernel, &[self.arguments.clone(), self.results.clone()]);
+        let threads: Vec<u32> = samples.iter().map(|k| *k as u32).collect();
+        let kinds = self.results.len() / SAMPLES;
+        let mut farthest: HashMap<_, _> = samples.iter().map(|k| (*k, vec![0.0f32; kinds])).collect();
+        for number in 0..EVALUATIONS {
+            Evaluation::rounding_at_random(OF_CARDS, number).run_loaded(&loaded, &threads);
+            for (k, farthest) in &mut farthest {
                 for (result, farthest) in farthest.iter_mut().enumerate() {
-                    let off = (buffers[1][result * SAMPLES + k] - results[result * SAMPLES + k]).abs();
+                    let at = result * SAMPLES + k;
+                    let off = (loaded.number(1, at) - self.results[at]).abs();
                     // What is no number for once bounds nothing.
                     *farthest = farthest.max(if off.is_finite() { off } else { 0.0 });
                 }
             }
-            farthest
-        })
+        }
+        farthest
     }
 }
 

@@ -1,10 +1,9 @@
 //! Forces through sections on a GPU, beside the processor's engine.
 
-use super::card::card;
+use super::card::gpu;
 use super::contact::{RUBS, striking};
 use super::engine::{count_steps, start, start_text};
 use super::facet_contact;
-use crate::Gpu;
 use sphorge_engine::{Cpu, EngineKind, ParticleSource, Reduction, Simulation};
 
 /// Runs of both engines to the middle and the end of a time, s: the forces through all sections, as near as that to the largest.
@@ -28,9 +27,7 @@ fn compare_runs(runs: [Simulation; 2], end: f64, near: f64) {
 }
 
 fn compare(deck: &str, overrides: &[(&str, &str)], end: f64, near: f64) {
-    if card().is_some() {
-        compare_runs([&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| start(kind, deck, overrides)), end, near);
-    }
+    compare_runs([&Cpu as &dyn EngineKind, &gpu()].map(|kind| start(kind, deck, overrides)), end, near);
 }
 
 #[test]
@@ -56,9 +53,6 @@ fn planes_of_symmetry_have_their_part_of_a_force() {
 
 #[test]
 fn the_contact_goes_through_sections() {
-    if card().is_none() {
-        return;
-    }
     // Between the upper and the middle block, and through both for the middle one alone.
     let sections = "[{ name = \"between\", point = [\"0 mm\", \"0.5 mm\"], normal = [0, 1] }, \
                     { name = \"down\", body = \"middle\", point = [\"0.1 mm\", \"0 mm\"], normal = [1, 0] }]";
@@ -67,7 +61,7 @@ fn the_contact_goes_through_sections() {
         facet_contact::RUBS.to_owned(),
         format!("method = \"patino\"\nsearch = \"every-step\"\n{RUBS}"),
     ] {
-        let kinds = [&Cpu as &dyn EngineKind, &Gpu::default()];
+        let kinds = [&Cpu as &dyn EngineKind, &gpu()];
         let text = striking(&more);
         compare_runs(kinds.map(|kind| start_text(kind, "striking", &text, &[("section", sections)])), 8e-6, 2e-3);
     }

@@ -1,8 +1,7 @@
 //! A body that meets itself on a GPU, beside the processor's engine.
 
-use super::card::card;
+use super::card::gpu;
 use super::engine::{conserves_and_repeats_text, count_steps, drifts, start_text};
-use crate::Gpu;
 use sphorge_engine::{Cpu, EngineKind, Simulation};
 
 /// Copper whose upper half moves down and whose lower half moves up, 100 m/s.
@@ -56,10 +55,7 @@ fn numbers(simulation: &Simulation) -> Vec<(&'static str, f64, f64)> {
 
 /// Runs of both engines to a time, s, through the middle of it; how near they must be.
 pub(super) fn compare(deck: &str, end: f64, near: f64) {
-    if card().is_none() {
-        return;
-    }
-    let [theirs, ours] = [&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| {
+    let [theirs, ours] = [&Cpu as &dyn EngineKind, &gpu()].map(|kind| {
         let mut simulation = start_text(kind, "closing", deck, &[]);
         let first = simulation.ledger().unwrap();
         let states = [0.5 * end, end].map(|end| (count_steps(&mut simulation, end), numbers(&simulation)));

@@ -1,8 +1,7 @@
 //! Neighbour lists that are kept on a GPU, beside the processor's engine.
 
-use super::card::card;
+use super::card::gpu;
 use super::engine::{conserves_and_repeats, start};
-use crate::Gpu;
 use sphorge_engine::{Cpu, EngineKind, Simulation};
 
 /// The bullet of the paper, coarse, through the middle of the plate.
@@ -29,10 +28,7 @@ pub(super) fn compare(
     (steps, end): (usize, f64),
     (body, axis, near): (usize, usize, f64),
 ) {
-    if card().is_none() {
-        return;
-    }
-    let [theirs, ours] = [&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| {
+    let [theirs, ours] = [&Cpu as &dyn EngineKind, &gpu()].map(|kind| {
         let mut simulation = start(kind, deck, overrides);
         let (mut fractions, mut searched, mut neighbors) = (Vec::new(), (Vec::new(), Vec::new()), Vec::new());
         while simulation.time() < end {
@@ -75,9 +71,6 @@ fn the_bullet_of_the_paper_matches_the_cpu_with_its_skin() {
 
 #[test]
 fn pairs_beyond_the_support_do_not_limit_the_step() {
-    if card().is_none() {
-        return;
-    }
     // The disc comes at 6 km/s, its nearest particles beyond the kernel and within the skin.
     let disc = [
         ("particles.spacing", "\"0.8 mm\""),
@@ -90,7 +83,7 @@ fn pairs_beyond_the_support_do_not_limit_the_step() {
     };
     let theirs = steps(disc[2].1, &Cpu);
     for search in [disc[2].1, "\"every-step\""] {
-        for (ours, theirs) in steps(search, &Gpu::default()).into_iter().zip(theirs) {
+        for (ours, theirs) in steps(search, &gpu()).into_iter().zip(theirs) {
             assert!((ours / theirs - 1.0).abs() < 1e-5, "{search}: {ours} s on the card, {theirs}");
         }
     }

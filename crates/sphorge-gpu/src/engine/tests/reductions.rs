@@ -4,7 +4,7 @@ use super::{Deck, changed_engine, engine, shipped, steps};
 use crate::Gpu;
 use crate::device::Profile;
 use crate::engine::GpuEngine;
-use crate::tests::card::card;
+use crate::tests::card::gpu;
 use crate::tests::contact::{OVERLAP, striking};
 use crate::tests::engine::IRON;
 use crate::tests::motion::driven;
@@ -63,11 +63,10 @@ fn compare_sizes(engine: &GpuEngine, selections: &[ParticleSelection]) {
     }
 }
 
-fn started(deck: Deck<'_>, count: usize) -> Option<GpuEngine> {
-    card()?;
-    let mut engine = engine(&Gpu::default(), deck);
+fn started(deck: Deck<'_>, count: usize) -> GpuEngine {
+    let mut engine = engine(&gpu(), deck);
     steps(&mut engine, &vec![1.0; count]);
-    Some(engine)
+    engine
 }
 
 /// Some of the particles: in a box in which there are some, and in one where there are none.
@@ -84,7 +83,7 @@ fn windows() -> [ParticleSelection; 3] {
 #[test]
 fn reductions_of_every_field_match_columns_read_back() {
     let fine = ("particles.spacing", "\"0.3 mm\"");
-    let Some(engine) = started((shipped("taylor-plate"), &[fine]), 15) else { return };
+    let engine = started((shipped("taylor-plate"), &[fine]), 15);
     compare_fields(&engine, &[], &windows()[..1]);
     compare_fields(&engine, &["speed", "stress", "temperature", "neighbors", "yield_stress"], &windows());
 }
@@ -93,35 +92,32 @@ fn reductions_of_every_field_match_columns_read_back() {
 fn sizes_of_deformed_and_renewed_bodies_match_columns_read_back() {
     let renews = ("search.total-lagrangian.renewal", "1.1");
     for (overrides, count) in [(vec![IRON.1[0], IRON.1[1]], 30), (vec![IRON.1[0], IRON.1[1], renews], 40)] {
-        let Some(engine) = started((shipped(IRON.0), &overrides), count) else { return };
+        let engine = started((shipped(IRON.0), &overrides), count);
         assert_eq!(engine.is_renewed(), overrides.len() > 2);
         compare_sizes(&engine, &windows());
     }
-    let Some(engine) = started((shipped("copper-bar"), &[("particles.spacing", "\"0.95 mm\"")]), 20) else { return };
+    let engine = started((shipped("copper-bar"), &[("particles.spacing", "\"0.95 mm\"")]), 20);
     compare_sizes(&engine, &windows()[..1]);
 }
 
 #[test]
 fn selections_and_variable_smoothing_lengths_match_columns_read_back() {
     let of_body = |body| ParticleSelection { body: Some(body), ..ParticleSelection::default() };
-    let Some(engine) = started((&striking(OVERLAP), &[]), 5) else { return };
+    let engine = started((&striking(OVERLAP), &[]), 5);
     compare_fields(&engine, &["velocity", "density"], &[of_body(0), of_body(1), of_body(2)]);
     compare_sizes(&engine, &[of_body(1), of_body(2)]);
-    let Some(engine) = started((&driven(""), &[("particles.spacing", "\"0.25 mm\"")]), 10) else { return };
+    let engine = started((&driven(""), &[("particles.spacing", "\"0.25 mm\"")]), 10);
     let of_region = |region| ParticleSelection { region: Some(region), ..ParticleSelection::default() };
     compare_fields(&engine, &["velocity", "von_mises_stress"], &[of_region(0), of_region(1), of_region(2)]);
     let follows = [("particles.spacing", "\"0.6 mm\""), ("numerics.smoothing-length", "\"follow-density\"")];
-    let Some(engine) = started((shipped("taylor-plate"), &follows), 30) else { return };
+    let engine = started((shipped("taylor-plate"), &follows), 30);
     compare_fields(&engine, &["smoothing_length", "pressure"], &windows()[..1]);
 }
 
 #[test]
 fn reductions_of_history_variables_match_columns_read_back() {
-    if card().is_none() {
-        return;
-    }
     let law = PressureAndDamage::new(&[3e8, 5e8, 0.05, 2e-11, 1e9]);
-    let mut engine = changed_engine(&Gpu::default(), (shipped(IRON.0), &IRON.1[..2]), |model| {
+    let mut engine = changed_engine(&gpu(), (shipped(IRON.0), &IRON.1[..2]), |model| {
         model.materials.iter_mut().for_each(|material| material.flow_law = FlowLaw::PressureAndDamage(law));
     });
     steps(&mut engine, &[1.0; 30]);
@@ -154,7 +150,7 @@ fn compare_suspects(engine: &GpuEngine, suspicion: Suspicion) -> Vec<u64> {
 
 #[test]
 fn checks_of_single_particles_match_columns_read_back() {
-    let Some(engine) = started((&striking(OVERLAP), &[]), 0) else { return };
+    let engine = started((&striking(OVERLAP), &[]), 0);
     // All are equally cold: the first is the worst.
     let all = compare_suspects(&engine, Suspicion::Cold(1e4));
     let warm = engine.initial.temperature[0];
@@ -165,7 +161,7 @@ fn checks_of_single_particles_match_columns_read_back() {
     compare_suspects(&engine, Suspicion::Lonely);
     let edge = [("particles.spacing", "\"0.3 mm\""), ("symmetry", "[{ axis = \"x\", at = \"0 mm\" }]")];
     let half = ("body.plate.shape", "{ box = { min = [\"0 mm\", \"0 mm\"], max = [\"3.8 mm\", \"12 mm\"] } }");
-    let Some(engine) = started((shipped("taylor-plate"), &[edge[0], edge[1], half]), 20) else { return };
+    let engine = started((shipped("taylor-plate"), &[edge[0], edge[1], half]), 20);
     let (low, high) = ([0.5e-3, 1e-3, f64::NEG_INFINITY], [3e-3, 9e-3, f64::INFINITY]);
     let some = [
         Suspicion::Compressed(1e-3),
@@ -186,11 +182,8 @@ fn checks_of_single_particles_match_columns_read_back() {
 
 #[test]
 fn no_reduction_of_single_particles_reads_a_column_back() {
-    if card().is_none() {
-        return;
-    }
     let profile = Profile::default();
-    let kind = Gpu { profile: Some(profile.clone()), ..Gpu::default() };
+    let kind = Gpu { profile: Some(profile.clone()), ..gpu() };
     let mut engine = engine(&kind, (shipped("taylor-plate"), &[("particles.spacing", "\"0.2 mm\"")]));
     steps(&mut engine, &[1.0]);
     let count = engine.initial.len() as u64;

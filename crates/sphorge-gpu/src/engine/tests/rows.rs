@@ -6,7 +6,7 @@ use crate::device::Profile;
 use crate::engine::GpuEngine;
 use crate::engine::columns::Group;
 use crate::engine::stored_fields::groups_of_particles;
-use crate::tests::card::card;
+use crate::tests::card::gpu;
 use crate::tests::contact::{OVERLAP, striking};
 use crate::tests::engine::IRON;
 use sphorge_engine::model::{Extremum, MeasureKind, ParticleSelection};
@@ -58,10 +58,9 @@ fn bytes_of_columns(engine: &GpuEngine) -> u64 {
 }
 
 /// What a row reads without and with checks, and all columns.
-fn bytes(deck: Deck<'_>) -> Option<[u64; 3]> {
-    card()?;
+fn bytes(deck: Deck<'_>) -> [u64; 3] {
     let profile = Profile::default();
-    let engine = engine(&Gpu { profile: Some(profile.clone()), ..Gpu::default() }, deck);
+    let engine = engine(&Gpu { profile: Some(profile.clone()), ..gpu() }, deck);
     let read = |with_checks: bool| {
         engine.read_back.take();
         let before = profile.bytes_read();
@@ -76,7 +75,7 @@ fn bytes(deck: Deck<'_>) -> Option<[u64; 3]> {
         found[1],
         found[2]
     );
-    Some(found)
+    found
 }
 
 #[test]
@@ -87,14 +86,11 @@ fn a_row_reads_a_small_part_of_the_columns() {
         ("iron-plate", &[("particles.spacing", "\"0.2 mm\"")], 50),
         ("bullet", &[("particles.spacing", "\"15 mm\"")], 100),
     ] {
-        let Some([row, with_checks, columns]) = bytes((shipped(deck), overrides)) else { return };
+        let [row, with_checks, columns] = bytes((shipped(deck), overrides));
         assert!(row * share < columns && with_checks < 2 * row, "{deck}: {row}, {with_checks}, {columns}");
     }
     // Craters and clouds are drawn of places, six columns.
-    let Some([row, with_checks, columns]) = bytes((shipped("penetration"), &[("particles.spacing", "\"0.6 mm\"")]))
-    else {
-        return;
-    };
+    let [row, with_checks, columns] = bytes((shipped("penetration"), &[("particles.spacing", "\"0.6 mm\"")]));
     assert!(6 * row < columns && with_checks - row < row / 2, "{row}, {with_checks}, {columns}");
 }
 
@@ -131,11 +127,8 @@ fn waits<T>(profile: &Profile, make: impl FnOnce() -> T) -> (u64, T) {
 
 /// Sums that are looked at after the next steps are those of when they were asked for, and wait for nothing.
 fn compare_queued(deck: Deck<'_>, first: usize) {
-    if card().is_none() {
-        return;
-    }
     let profile = Profile::default();
-    let mut engine = engine(&Gpu { profile: Some(profile.clone()), ..Gpu::default() }, deck);
+    let mut engine = engine(&Gpu { profile: Some(profile.clone()), ..gpu() }, deck);
     steps(&mut engine, &vec![1.0; first]);
     let of = ParticleSelection::default();
     for _ in 0..2 {
@@ -173,11 +166,8 @@ fn steps_do_not_wait_for_the_sums_of_a_row() {
 
 #[test]
 fn a_diameter_waits_where_its_line_depends_on_the_particles() {
-    if card().is_none() {
-        return;
-    }
     let profile = Profile::default();
-    let kind = Gpu { profile: Some(profile.clone()), ..Gpu::default() };
+    let kind = Gpu { profile: Some(profile.clone()), ..gpu() };
     let of = ParticleSelection::default();
     // Across the axis of the quarter there are planes of symmetry, and across the width of the plate there is none.
     for (deck, axis, expected) in [("copper-bar", 2, 0), ("copper-bar", 0, 0), ("taylor-plate", 1, 1)] {
