@@ -346,10 +346,9 @@ groups! {
     Stored: columns;
     /// Position at the last full search, m, its low part, and the smoothing length used in the search, m.
     SearchedAt: feature { position: CompensatedVector, smoothing_length: Number };
-    /// The same when contact candidates were determined, and one for each of them; kernels read its columns as those of
-    /// [`SearchedAt`].
-    FoundAt: feature { _position: CompensatedVector };
-    /// The same when ghosts were chosen.
+    /// Position when contact candidates were determined, m, its low part, and one for each of them.
+    FoundAt: feature { position: CompensatedVector };
+    /// The same when ghosts were chosen; kernels read its columns as those of [`FoundAt`].
     GhostsAt: feature { _position: CompensatedVector };
     Candidates: feature { is_candidate: Number };
     /// Marks of rows whose neighbours were searched, and of rows that have gained or lost one.

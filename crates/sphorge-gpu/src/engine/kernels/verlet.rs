@@ -253,15 +253,23 @@ pub(in crate::engine) fn displacements(
 ) -> Result<Recording, KernelFault> {
     let name = if since == Group::FoundAt { "ways_of_candidates" } else { "ways" };
     recording(name, count, |bind, row| {
-        let (place, searched_at) = (groups::Place::read(bind).position, groups::SearchedAt::read_of(bind, since));
-        let length = model.smoothing_follows_density().then(|| searched(model, groups::Constants::read(bind)));
+        let place = groups::Place::read(bind).position;
+        let (position, then_searched) = match since {
+            Group::SearchedAt => {
+                let searched_at = groups::SearchedAt::read(bind);
+                (searched_at.position, model.smoothing_follows_density().then_some(searched_at.smoothing_length))
+            }
+            // They last as long as particles are near; nothing asks for the skin.
+            other => (groups::FoundAt::read_of(bind, other).position, None),
+        };
+        let lengths = then_searched.map(|then| (then, searched(model, groups::Constants::read(bind))));
         let wide = Recorded::of(1.0 + model.skin_fraction());
         let displacements = bind.write(Group::Ways);
         let (zero, far) = (Recorded::zero(), Recorded::of(BEYOND));
         let start = [zero, far, far, far, -far, -far, -far, far];
         let all = over_particles(bind, (count, row), start, |mut all, i| {
             let way = [0, 1, 2].map(|a| {
-                let (now, then) = (place.axis(a).get(i), searched_at.position.axis(a).get(i));
+                let (now, then) = (place.axis(a).get(i), position.axis(a).get(i));
                 (now[0] - then[0]) + (now[1] - then[1])
             });
             // Columns are padded to whole chunks.
@@ -272,8 +280,8 @@ pub(in crate::engine) fn displacements(
                 all[LOW + a] = all[LOW + a].min(there(way[a], far));
                 all[HIGH + a] = all[HIGH + a].max(there(way[a], -far));
             }
-            if let Some(length) = length {
-                let left = wide * searched_at.smoothing_length.get(i) - length(i);
+            if let Some((then, now)) = &lengths {
+                let left = wide * then.get(i) - now(i);
                 all[7] = all[7].min(there(left, far));
             }
             all
