@@ -2,7 +2,7 @@
 //! change, `UPDATE_CORPUS=1 cargo test -p sphorge-cli --test command_lines` writes it anew.
 //!
 //! The first line of a file is the command, its arguments apart by blanks or in single quotes; in it `\xNN` is a byte, and
-//! `{TEXT*N}` a text N times.
+//! `{TEXT*N}` a text N times. What only programs without a feature say is in a folder of its own.
 #![cfg(unix)]
 
 mod common;
@@ -65,7 +65,11 @@ fn told(line: &str, place: &Place) -> String {
 #[test]
 fn what_is_told_of_bad_command_lines_is_what_was_read_in_a_review() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/command_lines");
-    let mut files: Vec<PathBuf> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let files_in = |folder: PathBuf| fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut files: Vec<PathBuf> = files_in(folder.clone()).filter(|path| path.is_file()).collect();
+    for (without, has) in [("without-gpu", common::has_gpu()), ("without-mpi", common::has_mpi())] {
+        files.extend(files_in(folder.join(without)).filter(|_| !has));
+    }
     files.sort();
     assert!(files.len() > 20);
     let place = Place::new();

@@ -240,9 +240,11 @@ fn output_that_does_not_fit_is_a_failure() {
     common::Ended::from(output).expect_code(1).expect_told(&["cannot write to standard output"]);
 }
 
-#[cfg(not(feature = "mpi"))]
 #[test]
 fn a_program_without_mpi_is_not_one_of_many_processes() {
+    if common::has_mpi() {
+        return;
+    }
     let place = Place::new();
     let one_of = |names: [&str; 2], number: &str| {
         let mut command = place.command(&["run", "plate.toml", "-o", "run"]);

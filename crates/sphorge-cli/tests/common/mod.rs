@@ -10,6 +10,19 @@ use std::{
 };
 use tempfile::TempDir;
 
+/// A variable of the environment that names another program to be tested, which was built without features.
+const OTHER_PROGRAM: &str = "SPHORGE_PROGRAM";
+
+/// Whether the program has the engine for GPUs.
+pub fn has_gpu() -> bool {
+    cfg!(feature = "gpu") && std::env::var_os(OTHER_PROGRAM).is_none()
+}
+
+/// Whether the program can run on processes of MPI.
+pub fn has_mpi() -> bool {
+    cfg!(feature = "mpi") && std::env::var_os(OTHER_PROGRAM).is_none()
+}
+
 /// A plate on a wall: 190 particles, some thirty steps.
 pub const DECK: &str = r#"title = "Small plate on a wall"
 dimensions = "plane-strain"
@@ -56,7 +69,8 @@ impl Place {
     }
 
     pub fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_sphorge"));
+        let own = env!("CARGO_BIN_EXE_sphorge").into();
+        let mut command = Command::new(std::env::var_os(OTHER_PROGRAM).unwrap_or(own));
         // Plain diagnostics of a known width, whatever the terminal of whoever runs the tests.
         command.current_dir(self.folder.path()).args(arguments).env("NO_COLOR", "1").env("LC_ALL", "C.UTF-8");
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
