@@ -152,6 +152,10 @@ impl Oracle {
                     gradient = tensor::zero();
                     self.yielded_stretch[i] = 0.0;
                 }
+                if self.material(i).is_brittle() {
+                    // Springs have the root of it.
+                    self.yielded_stretch[i] = self.yielded_stretch[i].min(self.integrity[i].powi(2));
+                }
                 let l = deform(&mut self.deformation[i], &gradient, self.dt);
                 self.p.velocity_gradient[i] = l;
                 self.p.density[i] = density(self.p.mass[i], self.initial_volume[i], &self.deformation[i]);

@@ -148,6 +148,12 @@ impl Material {
         self.damage.is_some_and(|damage| matches!(damage.after, AfterFailure::Delete))
     }
 
+    /// Whether the material loses its integrity without ever yielding. Hourglass springs soften with the yield stress, which damage lowers; those
+    /// of brittle material have none, and would pull across a crack until its particles are severed, so they are as stiff as its integrity says.
+    pub fn is_brittle(&self) -> bool {
+        self.breaks() && matches!(self.flow_law, FlowLaw::Elastic(_) | FlowLaw::NeoHookean(_))
+    }
+
     /// How the material spalls, if it does.
     pub fn spall(&self) -> Option<Spall<f64>> {
         self.spalls().then(|| Spall {

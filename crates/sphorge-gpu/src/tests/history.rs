@@ -118,8 +118,19 @@ fn integrity_is_lost_as_on_the_cpu() {
 }
 
 /// The laws of damage, with what follows failure.
-const BREAKS: [(&str, &[(&str, &str)]); 4] = [
-    ("{ johnson-cook = { D1 = 0.01, D2 = 0.02, D3 = -1.5, D4 = 0.01, D5 = 0.6 } }", &[("method", "total-lagrangian")]),
+const BREAKS: [(&str, &[(&str, &str)]); 5] = [
+    (
+        "{ johnson-cook = { D1 = 0.01, D2 = 0.02, D3 = -1.5, D4 = 0.01, D5 = 0.6 } }",
+        &[("method", "total-lagrangian")],
+    ),
+    (
+        "{ principal-stress = { strength = \"500 MPa\" } }",
+        &[
+            ("method", "total-lagrangian"),
+            ("material.iron.strength", "elastic"),
+            ("material.iron.softening-displacement", "30 um"),
+        ],
+    ),
     (
         "{ cockcroft-latham = { work = \"8 MPa\" } }",
         &[

@@ -112,6 +112,7 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
         let (materials, has_thin_parts) = (&engine.model.materials, engine.has_thin_parts);
         let state = (&*material, &*deviator, &*pressure, &*sound_speed);
         let (history, deletes) = (&*history, materials.iter().any(Material::deletes));
+        let has_brittle = materials.iter().any(Material::is_brittle);
         (
             velocity_gradient.par_chunks_mut(BLOCK),
             neighbors.par_chunks_mut(BLOCK),
@@ -144,6 +145,10 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
                         // What is deleted keeps its deformation and has no springs: nothing resists what its neighbours do, and it must
                         // not limit the step.
                         (rate, yielded[k]) = (tensor::zero(), 0.0);
+                    }
+                    if has_brittle && materials[material[i] as usize].is_brittle() {
+                        // Springs have the root of it.
+                        yielded[k] = yielded[k].min(history.integrity_of(i).powi(2));
                     }
                     l[k] = deform(&mut f[k], &rate, dt);
                     rho[k] = density_of(mass[i], volume[i], &f[k]);

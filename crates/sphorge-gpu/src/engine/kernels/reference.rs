@@ -4,11 +4,11 @@ use super::grid::Grid;
 use super::images::Planes;
 use super::neighbors::{now, over_list, over_own_body};
 use crate::engine::columns::{
-    Binder, CompensatedTensor, Group, Member, NOTHING, Read, ReadColumns, ReadShared, Reading, Recording, WriteColumns,
-    added, groups, recording,
+    Binder, CompensatedTensor, Group, Member, NOTHING, Number, Read, ReadColumns, ReadShared, Reading, Recording,
+    WriteColumns, added, groups, recording,
 };
 use crate::record::{Double, Index, Indices, KernelFault, Recorded};
-use sphorge_engine::model::Model;
+use sphorge_engine::model::{Material, Model};
 use sphorge_engine::particles::HistoryVariables;
 use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, corrected};
 use sphorge_physics::hourglass::is_fit;
@@ -202,19 +202,39 @@ pub(in crate::engine) fn correct<const D: usize>(
     })
 }
 
+/// Integrities of particles, if some material breaks.
+fn integrities(bind: &mut Binder<'_>, model: &Model) -> Option<Number<Read>> {
+    let place = HistoryVariables::of(model).integrity()?;
+    Some(groups::History::read(bind).of(place).value.high())
+}
+
+/// The integrity of a particle, and of bodies for whose material that is so whether it is part of one, as one or zero; nothing where there is no such
+/// body.
+fn integrity_within(
+    bind: &mut Binder<'_>,
+    model: &Model,
+    is_so: fn(&Material) -> bool,
+    i: Index,
+) -> Option<(Recorded, Recorded)> {
+    let bodies: Vec<usize> =
+        (0..model.bodies.len()).filter(|b| is_so(&model.materials[model.bodies[*b].material])).collect();
+    if bodies.is_empty() {
+        return None;
+    }
+    let (integrity, body) = (integrities(bind, model)?.get(i), bind.indices(Group::Body).at(i).number());
+    let within = bodies.into_iter().fold(Recorded::zero(), |within, b| {
+        let other = (body - Recorded::of(b as f64)).abs();
+        Recorded::select_lt(other, Recorded::of(0.5), Recorded::one(), within)
+    });
+    Some((integrity, within))
+}
+
 /// One for a particle that has failed and bears nothing any more, else zero.
 fn is_deleted(bind: &mut Binder<'_>, model: &Model, i: Index) -> Recorded {
-    let deletes = |b: &usize| model.materials[model.bodies[*b].material].deletes();
-    let deleting: Vec<usize> = (0..model.bodies.len()).filter(deletes).collect();
-    let place = HistoryVariables::of(model).integrity();
-    let Some(place) = place.filter(|_| !deleting.is_empty()) else { return Recorded::zero() };
-    let (body, integrity) =
-        (bind.indices(Group::Body).at(i).number(), groups::History::read(bind).of(place).value.high().get(i));
-    let severed = Recorded::select_lt(Recorded::zero(), integrity, Recorded::zero(), Recorded::one());
-    deleting.into_iter().fold(Recorded::zero(), |one, b| {
-        let other = (body - Recorded::of(b as f64)).abs();
-        Recorded::select_lt(other, Recorded::of(0.5), severed, one)
-    })
+    let Some((integrity, within)) = integrity_within(bind, model, Material::deletes, i) else {
+        return Recorded::zero();
+    };
+    Recorded::select_lt(Recorded::zero(), integrity, Recorded::zero(), within)
 }
 
 /// Deformation gradient, velocity gradient and density. What is deleted keeps its deformation and has no springs: nothing resists what its
@@ -273,9 +293,13 @@ pub(in crate::engine) fn deform<const D: usize>(
         of_density.set(i, [rho.high, rho.low]);
         stretch.smallest.set(i, smallest);
         let least = springs.least_stretch.get(i);
-        springs
-            .least_stretch
-            .set(i, left * Recorded::select_lt(Recorded::zero(), plastic.increment.get(i), least.min(smallest), least));
+        let least = Recorded::select_lt(Recorded::zero(), plastic.increment.get(i), least.min(smallest), least);
+        let brittle = integrity_within(bind, model, Material::is_brittle, i);
+        // Springs have the root of it.
+        let least = brittle.map_or(least, |(integrity, within)| {
+            least.min(Recorded::select_lt(Recorded::zero(), within, integrity * integrity, Recorded::one()))
+        });
+        springs.least_stretch.set(i, left * least);
         let too_far = |bound: f64| {
             let once = || stretched(&f, Recorded::of(bound));
             apart.map_or_else(once, |apart| {

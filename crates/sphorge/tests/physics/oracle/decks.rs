@@ -462,6 +462,7 @@ const FRACTURE_ENERGY: (&str, &str) = ("material.iron.fracture-energy", "30 kJ/m
 const OPENING: (&str, &str) = ("material.iron.softening-displacement", "0.1 mm");
 const FLUID: (&str, &str) = ("material.iron.after-failure", "fluid");
 const DELETED: (&str, &str) = ("material.iron.after-failure", "delete");
+const BRITTLE: (&str, &str) = ("material.iron.strength", "elastic");
 
 /// Metal that breaks by damage, with spalling or without.
 pub(super) const DAMAGED: &[Case] = &[
@@ -475,6 +476,7 @@ pub(super) const DAMAGED: &[Case] = &[
     case("damaged without flow", TORN, &[TOTAL, RANKINE, WHOLE, OPENING], 40),
     case("damaged, following smoothing lengths", TORN, &[FOLLOW, OF_ENERGY, NORMALISED, FRACTURE_ENERGY], 40),
     case("damaged, renewed", TORN, &[RENEWED, NORMALISED, WHOLE], 40),
+    case("brittle, total lagrangian", TORN, &[TOTAL, RANKINE, WHOLE, OPENING, BRITTLE], 40),
 ];
 
 /// A strip of one layer, bent and spun, that strikes a plane of symmetry with its end.
