@@ -10,8 +10,8 @@ use sphorge_engine::model::{
 };
 use sphorge_engine::{BodyLedger, ContactLedger, Ledger, LimitReason, TimeStepLimit, WallLedger};
 use sphorge_physics::conduction::{
-    HeatPair, Inflow, Lattice, add_temperature_gradient, added_flow, best_flow, cell_size, face_area, friction_share,
-    lattice, pair_conductivity, surface_area, surface_conductance, touch,
+    HeatPair, Inflow, Lattice, add_temperature_gradient, added_flow, best_flow, cell_size, conducting_share, face_area,
+    friction_share, lattice, pair_conductivity, surface_area, surface_conductance, touch,
 };
 use sphorge_physics::contact::{
     ContactBody, ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
@@ -400,11 +400,14 @@ impl Oracle {
         let at = if initial { &self.searched_at } else { &p.position };
         let volume = self.each(|i| if initial { self.initial_volume[i] } else { p.mass[i] / p.density[i] });
         let lattice_of = |i: usize| &self.accounts.lattices[p.body[i] as usize];
+        // Across open cracks no heat flows.
+        let share_of = |i: usize| conducting_share(p.pressure[i], self.integrity[i]);
         let added = self.each(|i| {
             let mut gradient = [0.0; 3];
             for n in self.pairs(i, at) {
                 let difference = p.temperature[n.j] - p.temperature[i];
-                add_temperature_gradient(&mut gradient, volume[n.j], -n.f, difference, n.x);
+                let slope = -n.f * share_of(i).min(share_of(n.j));
+                add_temperature_gradient(&mut gradient, volume[n.j], slope, difference, n.x);
             }
             added_flow(self.material(i).conductivity, gradient, &self.deformation[i], &self.correction[i])
         });
@@ -427,9 +430,11 @@ impl Oracle {
                     continue;
                 }
                 let volume = |i: usize| if initial { self.initial_volume[i] } else { p.mass[i] / p.density[i] };
+                let share = share_of(i).min(share_of(j));
                 let pair = HeatPair {
                     volumes: (volume(i), volume(j)),
-                    conductivity: pair_conductivity(self.material(i).conductivity, self.material(j).conductivity),
+                    conductivity: share
+                        * pair_conductivity(self.material(i).conductivity, self.material(j).conductivity),
                     correction: mean(1.0 / lattice_of(i).moment, 1.0 / lattice_of(j).moment),
                     slope: -n.f,
                     r2: n.r * n.r,
@@ -437,7 +442,7 @@ impl Oracle {
                 };
                 if initial {
                     let flow = plus(added[i], 1.0, n.image.vector(added[j]));
-                    sum.add_reference(&pair, n.x, flow, best_flow(&self.deformation[i]), d);
+                    sum.add_reference(&pair, n.x, flow.map(|c| share * c), best_flow(&self.deformation[i]), d);
                 } else {
                     sum.add(&pair, d);
                 }

@@ -20,6 +20,10 @@
 //!
 //! which are adjoint and antisymmetric: heat is conserved. The gradient sees less of a temperature than pairs do, so that even where
 //! `q` flows upwards, which is never more than `k grad_0 T`, heat does not on the whole.
+//!
+//! Across an open crack no heat flows: each term of a pair, in all of these sums, has the smaller of the shares with which its particles
+//! conduct ([`conducting_share`]), so that the sums stay antisymmetric and adjoint. Metal whose particles are severed or on the way to it conducts as
+//! whole metal where it is pressed shut.
 
 use crate::kernel::Kernel;
 use crate::tensor::{determinant, dot, inverse, multiply, transpose};
@@ -61,6 +65,12 @@ pub fn lattice(kernel: Kernel, dimension: Dimension, spacing: f64, h: f64) -> La
 pub fn pair_conductivity<T: Real>(k_i: T, k_j: T) -> T {
     let sum = k_i + k_j;
     T::select_lt(T::zero(), sum, T::of(4.0) * (k_i * k_j) / sum, T::zero())
+}
+
+/// Share of its conductivity with which metal of an integrity conducts at a pressure, Pa: all of it where it is pressed shut, else its integrity.
+#[inline(always)]
+pub fn conducting_share<T: Real>(pressure: T, integrity: T) -> T {
+    T::select_lt(T::zero(), pressure, T::one(), integrity)
 }
 
 /// Effusivity `sqrt(k rho c)`, W s^(1/2)/(m^2 K), of conductivity (W/(m K)), density (kg/m^3) and specific heat (J/(kg K)).
@@ -320,6 +330,18 @@ mod tests {
         assert!((pair_conductivity(80.0f64, 400.0) - 266.666_666_666_666_7).abs() < 1e-12);
         assert_eq!(pair_conductivity(50.0f64, 50.0), 100.0);
         assert_eq!((pair_conductivity(0.0f64, 50.0), pair_conductivity(0.0f64, 0.0)), (0.0, 0.0));
+    }
+
+    #[test]
+    fn an_open_crack_conducts_by_its_integrity_and_a_closed_one_like_whole_metal() {
+        assert_eq!(
+            (conducting_share(-1e6, 0.25), conducting_share(0.0, 0.0), conducting_share(-0.0, 0.0)),
+            (0.25, 0.0, 0.0)
+        );
+        assert_eq!(
+            (conducting_share(1.0, 0.25), conducting_share(1e9, 0.0), conducting_share(-1e9, 1.0)),
+            (1.0, 1.0, 1.0)
+        );
     }
 
     #[test]

@@ -12,14 +12,14 @@ use super::reference_conduction::{ReferencePoints, sum_reference_flow};
 use crate::geometry::HeatFaces;
 use crate::halo::{self, Exchanged, GhostColumn};
 use crate::lanes::PairScalar;
-use crate::model::{HeatBoundaryKind, Model, TemperatureSource};
+use crate::model::{HeatBoundaryKind, Material, Model, TemperatureSource};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use crate::persist::{Archive, ArchiveError, Persist, persist_column};
 use crate::{HeatClock, HeatLedger, RunFailure};
 use rayon::prelude::*;
 use smallvec::smallvec;
-use sphorge_physics::conduction::{Inflow, cell_size, face_area, surface_area, touch};
+use sphorge_physics::conduction::{Inflow, cell_size, conducting_share, face_area, surface_area, touch};
 use sphorge_physics::kernel::pair_smoothing_length;
 use sphorge_physics::time_step::conduction_limit;
 use sphorge_physics::{Dimension, Vector, tensor::dot};
@@ -52,6 +52,26 @@ pub(super) struct HeatFlow {
     /// The same of the ghosts of the neighbour list, and of those of the contact.
     touched_near: Vec<u32>,
     touched_far: Vec<u32>,
+    /// Share with which each particle conducts, if some material breaks, and those of the ghosts.
+    shares: Vec<f64>,
+    shares_near: Vec<f64>,
+    shares_far: Vec<f64>,
+}
+
+/// Shares with which particles and ghosts conduct; nothing where no material breaks.
+#[derive(Clone, Copy)]
+pub(super) struct Shares<'a>(Option<WithGhosts<'a, f64>>);
+
+impl<'a> Shares<'a> {
+    fn new(own: &'a [f64], ghosts: &'a [f64]) -> Self {
+        Self((!own.is_empty()).then(|| WithGhosts::new(own, ghosts)))
+    }
+
+    /// Of a pair: the smaller one.
+    #[inline(always)]
+    pub(super) fn of_pair(&self, i: usize, j: usize) -> f64 {
+        self.0.map_or(1.0, |shares| shares.at(i).min(shares.at(j)))
+    }
 }
 
 impl HeatFlow {
@@ -75,6 +95,9 @@ impl HeatFlow {
             touched: vec![0; if model.bodies.len() > 1 { particles } else { 0 }],
             touched_near: Vec::new(),
             touched_far: Vec::new(),
+            shares: vec![1.0; if model.materials.iter().any(Material::breaks) { particles } else { 0 }],
+            shares_near: Vec::new(),
+            shares_far: Vec::new(),
         })
     }
 
@@ -92,6 +115,9 @@ impl HeatFlow {
         if !self.touched.is_empty() {
             self.touched.resize(particles, 0);
         }
+        if !self.shares.is_empty() {
+            self.shares.resize(particles, 1.0);
+        }
     }
 
     /// Whether the flow is summed again in this step.
@@ -107,7 +133,8 @@ impl HeatFlow {
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
         let touched = self.touched.capacity() + self.touched_near.capacity() + self.touched_far.capacity();
-        let columns = 8 * (self.partial.capacity() + self.moved.capacity() + self.limits.capacity());
+        let shares = self.shares.capacity() + self.shares_near.capacity() + self.shares_far.capacity();
+        let columns = 8 * (shares + self.partial.capacity() + self.moved.capacity() + self.limits.capacity());
         columns + self.faces.bytes() + 4 * touched
     }
 
@@ -155,6 +182,11 @@ fn touched_of<'a>(ghosts: &'a Ghosts, touched: &'a [u32], of_ghosts: &'a mut Vec
     Exchanged { halo: ghosts.halo.as_ref(), columns: smallvec![GhostColumn::Integer(touched, of_ghosts)] }
 }
 
+fn shares_of<'a>(ghosts: &'a Ghosts, shares: &'a [f64], of_ghosts: &'a mut Vec<f64>) -> Exchanged<'a> {
+    of_ghosts.resize(ghosts.count(), 1.0);
+    Exchanged { halo: ghosts.halo.as_ref(), columns: smallvec![GhostColumn::Scalar(shares, of_ghosts)] }
+}
+
 /// The data of particles and ghosts that the sum of the flow reads.
 #[derive(Clone, Copy)]
 struct HeatPoints<'a> {
@@ -165,13 +197,15 @@ struct HeatPoints<'a> {
     mass: WithGhosts<'a, f64>,
     density: WithGhosts<'a, f64>,
     touched: WithGhosts<'a, u32>,
+    shares: Shares<'a>,
 }
 
 impl<'a> HeatPoints<'a> {
-    fn new(p: &'a Particles, ghosts: &'a Ghosts, touched: WithGhosts<'a, u32>) -> Self {
+    fn new(p: &'a Particles, ghosts: &'a Ghosts, touched: WithGhosts<'a, u32>, shares: Shares<'a>) -> Self {
         let ghosts = &ghosts.columns;
         Self {
             touched,
+            shares,
             position: WithGhosts::new(&p.position, &ghosts.position),
             smoothing_length: WithGhosts::new(&p.smoothing_length, &ghosts.smoothing_length),
             temperature: WithGhosts::new(&p.temperature, &ghosts.temperature),
@@ -221,7 +255,8 @@ impl ConductionTable {
             let h = pair_smoothing_length(smoothing_length.at(i), smoothing_length.at(j));
             let volumes = (volume, mass.at(j) / density.at(j));
             let difference = temperature.at(j) - temperature.at(i);
-            sum.add(&self.pair((body.at(i), body.at(j)), volumes, dot(x, x), h, difference), self.dimension);
+            let (bodies, share) = ((body.at(i), body.at(j)), points.shares.of_pair(i, j));
+            sum.add(&self.pair(bodies, volumes, dot(x, x), h, difference, share), self.dimension);
         }
     }
 
@@ -251,9 +286,21 @@ impl<T: PairScalar> CpuEngine<T> {
     pub(super) fn begin_heat(&mut self) {
         let Some(heat) = &mut self.heat else { return };
         heat.due = heat.clock.is_due(&self.model);
+        if heat.due && !heat.shares.is_empty() {
+            let (p, HeatFlow { shares, shares_near, shares_far, .. }) = (&self.particles, &mut *heat);
+            shares.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(i, share)| {
+                *share = conducting_share(p.pressure[i], p.history.integrity_of(i));
+            });
+            let touching = self.contacts.as_ref().map_or(&self.ghosts, |c| c.ghosts(&self.ghosts));
+            halo::fill(smallvec![
+                shares_of(&self.ghosts, shares, shares_near),
+                shares_of(touching, shares, shares_far),
+            ]);
+        }
         if heat.due && self.formulation.is_initial() {
             let mut flow = std::mem::take(&mut self.particles.heat_flow);
-            let points = ReferencePoints::new(&self.particles, &self.ghosts.columns);
+            let shares = Shares::new(&heat.shares, &heat.shares_near);
+            let points = ReferencePoints::new(&self.particles, &self.ghosts.columns, shares);
             sum_reference_flow(&heat.table, &self.lists.list, &points, &self.particles, &mut flow);
             self.particles.heat_flow = flow;
         }
@@ -268,13 +315,28 @@ impl<T: PairScalar> CpuEngine<T> {
         heat.clock.start();
         let mut rates = std::mem::take(&mut self.particles.heat_rate);
         let p = &self.particles;
-        let reference = self.formulation.is_initial().then(|| ReferencePoints::new(p, &self.ghosts.columns));
         let (list, foreign) = (&self.lists.list, self.contacts.as_ref().map(|c| c.foreign()));
         let touching = self.contacts.as_ref().map_or(&self.ghosts, |c| c.ghosts(&self.ghosts));
-        let HeatFlow { table, faces, partial, limits, surfaces, touched, touched_near, touched_far, .. } = &mut *heat;
+        let HeatFlow {
+            table,
+            faces,
+            partial,
+            limits,
+            surfaces,
+            touched,
+            touched_near,
+            touched_far,
+            shares,
+            shares_near,
+            shares_far,
+            ..
+        } = &mut *heat;
+        let [near, far] = [shares_near, shares_far].map(|of_ghosts| Shares::new(shares, of_ghosts));
+        let reference = self.formulation.is_initial().then(|| ReferencePoints::new(p, &self.ghosts.columns, near));
         if !touched.is_empty() {
             let untouched = WithGhosts::new(&[], &[]);
-            let (near, far) = (HeatPoints::new(p, &self.ghosts, untouched), HeatPoints::new(p, touching, untouched));
+            let [near, far] = [(&self.ghosts, near), (touching, far)]
+                .map(|(ghosts, shares)| HeatPoints::new(p, ghosts, untouched, shares));
             let dimension = table.dimension;
             touched.par_chunks_mut(BLOCK).enumerate().for_each(|(b, touched)| {
                 let mut rows = foreign.map(|f| f.blocks()[b].rows().peekable());
@@ -295,8 +357,8 @@ impl<T: PairScalar> CpuEngine<T> {
                 touched_of(touching, touched, touched_far),
             ]);
         }
-        let points = HeatPoints::new(p, &self.ghosts, WithGhosts::new(touched, touched_near));
-        let touching = HeatPoints::new(p, touching, WithGhosts::new(touched, touched_far));
+        let points = HeatPoints::new(p, &self.ghosts, WithGhosts::new(touched, touched_near), near);
+        let touching = HeatPoints::new(p, touching, WithGhosts::new(touched, touched_far), far);
         let (table, faces, boundaries) = (&*table, &*faces, &self.model.thermal.boundaries);
         let parts = partial.par_chunks_mut(boundaries.len().max(1));
         (rates.par_chunks_mut(BLOCK), limits.par_iter_mut(), parts).into_par_iter().enumerate().for_each(

@@ -41,7 +41,7 @@ impl ConductionTable {
         [self.conductivity[body], self.specific_heat[body], self.correction[body], self.flat[body]]
     }
 
-    /// A pair of particles of these bodies, with the square of their distance, m^2.
+    /// A pair of particles of these bodies, with the square of their distance, m^2, that conducts with this share of its conductivity.
     pub(super) fn pair(
         &self,
         bodies: (u32, u32),
@@ -49,11 +49,12 @@ impl ConductionTable {
         r2: f64,
         h: f64,
         difference: f64,
+        share: f64,
     ) -> HeatPair<f64> {
         let (a, b) = (bodies.0 as usize, bodies.1 as usize);
         HeatPair {
             volumes,
-            conductivity: pair_conductivity(self.conductivity[a], self.conductivity[b]),
+            conductivity: share * pair_conductivity(self.conductivity[a], self.conductivity[b]),
             correction: mean(self.correction[a], self.correction[b]),
             slope: self.kernel.slope(self.dimension, r2.sqrt(), h),
             r2,

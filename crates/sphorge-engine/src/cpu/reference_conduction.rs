@@ -1,6 +1,7 @@
 //! Conduction in the total Lagrangian form: sums over the initial neighbours at the initial positions. The formulas are
 //! in [`sphorge_physics::conduction`].
 
+use super::conduction::Shares;
 use super::conduction_table::ConductionTable;
 use super::ghosts::WithGhosts;
 use crate::neighbors::{BLOCK, NeighborList};
@@ -18,14 +19,16 @@ pub(super) struct ReferencePoints<'a> {
     smoothing_length: WithGhosts<'a, f64>,
     temperature: WithGhosts<'a, f64>,
     body: WithGhosts<'a, u32>,
+    shares: Shares<'a>,
     /// `q B` of every particle, W/m²: the contribution of the deformation.
     flow: WithGhosts<'a, Vector<f64>>,
     deformation: &'a [Tensor<f64>],
 }
 
 impl<'a> ReferencePoints<'a> {
-    pub(super) fn new(p: &'a Particles, ghosts: &'a Particles) -> Self {
+    pub(super) fn new(p: &'a Particles, ghosts: &'a Particles, shares: Shares<'a>) -> Self {
         Self {
+            shares,
             position: WithGhosts::new(&p.reference_position, &ghosts.reference_position),
             volume: WithGhosts::new(&p.reference_volume, &ghosts.reference_volume),
             smoothing_length: WithGhosts::new(&p.smoothing_length, &ghosts.smoothing_length),
@@ -40,7 +43,7 @@ impl<'a> ReferencePoints<'a> {
 impl ConductionTable {
     /// Temperature gradient, K/m, before the correction.
     fn temperature_gradient(&self, i: usize, row: &[u32], points: &ReferencePoints<'_>) -> Vector<f64> {
-        let ReferencePoints { position, volume, smoothing_length, temperature, .. } = points;
+        let ReferencePoints { position, volume, smoothing_length, temperature, shares, .. } = points;
         let x_i = position.at(i);
         let mut gradient = [0.0; 3];
         for &j in row {
@@ -48,7 +51,7 @@ impl ConductionTable {
             let x_j = position.at(j);
             let x = [0, 1, 2].map(|k| x_i[k] - x_j[k]);
             let h = pair_smoothing_length(smoothing_length.at(i), smoothing_length.at(j));
-            let slope = self.kernel.slope(self.dimension, dot(x, x).sqrt(), h);
+            let slope = shares.of_pair(i, j) * self.kernel.slope(self.dimension, dot(x, x).sqrt(), h);
             let difference = temperature.at(j) - temperature.at(i);
             add_temperature_gradient(&mut gradient, volume.at(j), slope, difference, x);
         }
@@ -57,7 +60,7 @@ impl ConductionTable {
 
     /// Adds the heat flow to a particle from its initial neighbours.
     pub(super) fn add_reference(&self, sum: &mut Inflow<f64>, i: usize, row: &[u32], points: &ReferencePoints<'_>) {
-        let ReferencePoints { position, volume, smoothing_length, temperature, body, flow, .. } = points;
+        let ReferencePoints { position, volume, smoothing_length, temperature, body, flow, shares, .. } = points;
         let better = best_flow(&points.deformation[i]);
         let (x_i, flow_i) = (position.at(i), flow.at(i));
         for &j in row {
@@ -65,10 +68,11 @@ impl ConductionTable {
             let (x_j, flow_j) = (position.at(j), flow.at(j));
             let x = [0, 1, 2].map(|k| x_i[k] - x_j[k]);
             let h = pair_smoothing_length(smoothing_length.at(i), smoothing_length.at(j));
-            let flow = [0, 1, 2].map(|k| flow_i[k] + flow_j[k]);
+            let share = shares.of_pair(i, j);
+            let flow = [0, 1, 2].map(|k| share * (flow_i[k] + flow_j[k]));
             let volumes = (volume.at(i), volume.at(j));
             let difference = temperature.at(j) - temperature.at(i);
-            let pair = self.pair((body.at(i), body.at(j)), volumes, dot(x, x), h, difference);
+            let pair = self.pair((body.at(i), body.at(j)), volumes, dot(x, x), h, difference, share);
             sum.add_reference(&pair, x, flow, better, self.dimension);
         }
     }

@@ -125,6 +125,59 @@ fn what_a_brittle_crack_takes_does_not_depend_on_the_spacing() {
     }
 }
 
+/// The left end of the bar is kept hot.
+const HEATED: &str = r#"
+[thermal]
+[[thermal.boundary]]
+name = "furnace"
+region = "left"
+hold = "800 K"
+"#;
+
+#[test]
+fn heat_crosses_no_open_crack_and_flows_again_where_it_is_pressed_shut() {
+    // Stretched in its middle alone, and conducting so well that its other end is warm before it is closed.
+    let conducting = [
+        ("material.iron.conductivity", "2 MW/(m K)"),
+        ("material.iron.fracture-energy", "3 kJ/m^2"),
+        ("material.iron.specific-heat", "450 J/(kg K)"),
+        (
+            "body.bar.velocity-profile",
+            "{ along = \"x\", amplitude = [\"10 m/s\"], rows = [[\"-2 mm\", -1.0], [\"-0.2 mm\", -1.0], [\"0.2 mm\", 1.0], [\"2 mm\", 1.0]] }",
+        ),
+    ];
+    let deck = format!("{TOGETHER}{HEATED}");
+    for form in FORMS {
+        // What the right half gains while the crack is open, and when it has been closed, K; whole metal conducts all the time.
+        let [broken, whole] = ["300 MPa", "300 GPa"].map(|strength| {
+            let more = [("method", form), ("material.iron.damage.principal-stress.strength", strength)];
+            let mut simulation = simulation(&deck, &[&conducting[..], &more].concat());
+            let right: Vec<u32> = {
+                let p = simulation.particles().unwrap();
+                (0..p.len()).filter(|&i| p.position[i][0] > 0.8e-3).map(|i| p.id[i]).collect()
+            };
+            let balance = |simulation: &Simulation| {
+                let ledger = simulation.ledger().unwrap();
+                (ledger.total_energy() - ledger.external_work - ledger.boundary_heat(), ledger.heat.exchanged)
+            };
+            let (first, _) = balance(&simulation);
+            let warmth = [5e-6, 10e-6, 17e-6, 20e-6].map(|until| {
+                run_to(&mut simulation, until);
+                let p = simulation.particles().unwrap();
+                let order = by_id(&p);
+                right.iter().map(|id| p.temperature[order[*id as usize]]).sum::<f64>() / right.len() as f64
+            });
+            let (last, exchanged) = balance(&simulation);
+            assert!((last - first).abs() < 1e-3 * exchanged, "{form}, {strength}: {:e} of {exchanged:e}", last - first);
+            println!("{form}, {strength}: {warmth:?}");
+            [warmth[1] - warmth[0], warmth[3] - warmth[2]]
+        });
+        // What has been severed strikes itself as it rings, and conducts while it does.
+        assert!(broken[0].abs() < 1e-3 * whole[0] && broken[1] > 5.0, "{form}: {broken:?} {whole:?}");
+        assert!(whole[0] > 20.0, "{form}: {whole:?}");
+    }
+}
+
 /// A strip of steel, waisted by notches, that is pulled apart.
 const STRIP: &str = r#"
 dimensions = "plane-strain"

@@ -4,17 +4,18 @@ use super::grid::Grid;
 use super::images::{Image, split};
 use super::neighbors::{Pair, apart, different, now, over_cells, over_list, over_present_neighbors};
 use super::reduce::{Together, over_particles, rows};
+use super::reference::integrities;
 use crate::engine::columns::{
-    Binder, Compensated, CompensatedVector, Group, Handles, Layout, Member, NOTHING, Read, ReadColumns, ReadRecords,
-    ReadShared, Recording, Records, WriteColumns, groups, recording,
+    Binder, Compensated, CompensatedVector, Group, Handles, Layout, Member, NOTHING, Number, Read, ReadColumns,
+    ReadRecords, ReadShared, Recording, Records, WriteColumns, groups, recording,
 };
 use crate::record::{Index, Indices, KernelFault, Recorded};
 use sphorge_engine::geometry::HeatFaces;
 use sphorge_engine::model::{HeatBoundaryKind, Model};
 use sphorge_engine::{ConductionTable, Particles};
 use sphorge_physics::conduction::{
-    HeatPair, Inflow, add_temperature_gradient, added_flow, best_flow, cell_size, face_area, pair_conductivity,
-    surface_area, touching_below,
+    HeatPair, Inflow, add_temperature_gradient, added_flow, best_flow, cell_size, conducting_share, face_area,
+    pair_conductivity, surface_area, touching_below,
 };
 use sphorge_physics::kernel::PairScale;
 use sphorge_physics::pair::mean;
@@ -77,6 +78,8 @@ struct Points {
     laws: groups::HeatLaws<Records>,
     /// Positions by which particles near other bodies are sorted.
     surface: Option<CompensatedVector<Read>>,
+    /// Pressure and integrity, if some material breaks.
+    cracks: Option<(Number<Read>, Number<Read>)>,
 }
 
 impl Points {
@@ -90,6 +93,7 @@ impl Points {
             body: bind.indices(Group::Body),
             laws: groups::HeatLaws::records(bind),
             surface: faces.then(|| groups::Standing::read(bind).position),
+            cracks: integrities(bind, model).map(|integrity| (groups::Pressure::read(bind).pressure, integrity)),
         }
     }
 
@@ -112,6 +116,13 @@ impl Points {
         (other - own) + (other_rest - own_rest)
     }
 
+    /// Share with which a pair conducts: the smaller of those of its particles, all of it where no material breaks.
+    fn share(self, i: Index, j: Index) -> Option<Recorded> {
+        let (pressure, integrity) = self.cracks?;
+        let [own, other] = [i, j].map(|i| conducting_share(pressure.get(i), integrity.get(i)));
+        Some(own.min(other))
+    }
+
     /// A pair with volumes (m^d) and the square of its distance (m²).
     fn pair(
         self,
@@ -121,9 +132,10 @@ impl Points {
         r2: Recorded,
         scale: PairScale<Recorded>,
     ) -> HeatPair<Recorded> {
+        let conductivity = pair_conductivity(self.conductivity(i), self.conductivity(j));
         HeatPair {
             volumes,
-            conductivity: pair_conductivity(self.conductivity(i), self.conductivity(j)),
+            conductivity: self.share(i, j).map_or(conductivity, |share| share * conductivity),
             correction: mean(self.correction(i), self.correction(j)),
             slope: slope(model, r2, scale),
             r2,
@@ -200,6 +212,7 @@ fn flow_of_deformation<const D: usize>(model: &Model, count: usize) -> Result<Re
         let start = [Recorded::zero(); 3];
         let gradient = over_list::<_, D>(bind, model, i, near, start, |mut gradient: Vector<Recorded>, pair, j| {
             let slope = slope(model, pair.r2, pair.scale);
+            let slope = points.share(i, j).map_or(slope, |share| share * slope);
             add_temperature_gradient(
                 &mut gradient,
                 near.0.volume.high().get(j),
@@ -251,6 +264,7 @@ fn sum<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recor
             over_list::<_, D>(bind, model, i, near, start, |state: [Recorded; 3], pair, j| {
                 let other = pair.image.vector(heat.flow.get(j));
                 let flow = [0, 1, 2].map(|a| own[a] + other[a]);
+                let flow = points.share(i, j).map_or(flow, |share| flow.map(|component| share * component));
                 let volumes = (near.0.volume.high().get(i), near.0.volume.high().get(j));
                 let mut sum = inflow(state);
                 let of_pair = points.pair(model, (i, j), volumes, pair.r2, pair.scale);

@@ -203,7 +203,7 @@ pub(in crate::engine) fn correct<const D: usize>(
 }
 
 /// Integrities of particles, if some material breaks.
-fn integrities(bind: &mut Binder<'_>, model: &Model) -> Option<Number<Read>> {
+pub(super) fn integrities(bind: &mut Binder<'_>, model: &Model) -> Option<Number<Read>> {
     let place = HistoryVariables::of(model).integrity()?;
     Some(groups::History::read(bind).of(place).value.high())
 }

@@ -463,6 +463,8 @@ const OPENING: (&str, &str) = ("material.iron.softening-displacement", "0.1 mm")
 const FLUID: (&str, &str) = ("material.iron.after-failure", "fluid");
 const DELETED: (&str, &str) = ("material.iron.after-failure", "delete");
 const BRITTLE: (&str, &str) = ("material.iron.strength", "elastic");
+/// Heat flows about as far as sound.
+const CONDUCTS: [(&str, &str); 2] = [("thermal.conduction", "true"), ("material.iron.conductivity", "1 MW/(m K)")];
 
 /// Metal that breaks by damage, with spalling or without.
 pub(super) const DAMAGED: &[Case] = &[
@@ -477,6 +479,13 @@ pub(super) const DAMAGED: &[Case] = &[
     case("damaged, following smoothing lengths", TORN, &[FOLLOW, OF_ENERGY, NORMALISED, FRACTURE_ENERGY], 40),
     case("damaged, renewed", TORN, &[RENEWED, NORMALISED, WHOLE], 40),
     case("brittle, total lagrangian", TORN, &[TOTAL, RANKINE, WHOLE, OPENING, BRITTLE], 40),
+    case("damaged, conducting", TORN, &[BREAKS, WHOLE, CONDUCTS[0], CONDUCTS[1]], 40),
+    case(
+        "damaged, conducting, total lagrangian",
+        TORN,
+        &[TOTAL, LATHAM, WHOLE, FRACTURE_ENERGY, CONDUCTS[0], CONDUCTS[1]],
+        40,
+    ),
 ];
 
 /// A strip of one layer, bent and spun, that strikes a plane of symmetry with its end.
