@@ -20,7 +20,7 @@ impl FacetLaws {
     pub fn new(model: &Model, strength: ContactStrength) -> Self {
         let ContactStrength { stiffness, damping, friction } = strength;
         let strength = FacetStrength { stiffness, damping, friction };
-        let mut examples: Vec<FacetMaterial> = Vec::new();
+        let mut examples: Vec<(FacetMaterial, bool)> = Vec::new();
         let kind = |body: &Body| {
             let material = &model.materials[body.material];
             let speed = material.equation_of_state.reference_sound_speed();
@@ -29,6 +29,7 @@ impl FacetLaws {
                 density: material.density,
                 bulk_modulus: material.density * speed * speed,
             };
+            let of = (of, material.breaks());
             examples.iter().position(|known| *known == of).unwrap_or_else(|| {
                 examples.push(of);
                 examples.len() - 1
@@ -37,8 +38,9 @@ impl FacetLaws {
         let kinds: Vec<usize> = model.bodies.iter().map(kind).collect();
         // Facets are as thick along axes that are not there; forces are per unit of thickness.
         let thickness = facet_thickness(model).powi(3 - model.dimensions.count() as i32);
-        let law = |a: &FacetMaterial, b: &FacetMaterial| {
+        let law = |(a, a_breaks): &(FacetMaterial, bool), (b, b_breaks): &(FacetMaterial, bool)| {
             let law = FacetPairLaw::new(a, b, strength);
+            let law = if *a_breaks || *b_breaks { law.giving_way() } else { law };
             FacetPairLaw {
                 stiffness: law.stiffness / thickness,
                 damping: law.damping / thickness,

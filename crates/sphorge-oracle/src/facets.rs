@@ -72,6 +72,7 @@ impl Facets {
         let (stiffness, damping, friction) = (strength.stiffness, strength.damping, strength.friction);
         // Facets have a thickness where the space has none.
         let missing = facet_thickness(model).powi(3 - model.dimensions.count() as i32);
+        let breaks = |body: &sphorge_engine::model::Body| model.materials[body.material].breaks();
         let law = |a, b| {
             let law = FacetPairLaw::new(&material(a), &material(b), FacetStrength { stiffness, damping, friction });
             FacetPairLaw {
@@ -79,6 +80,8 @@ impl Facets {
                 damping: law.damping / missing,
                 tangential_stiffness: law.tangential_stiffness / missing,
                 friction,
+                // Half of the distance at touch, where cells may come to lie behind each other.
+                gives_way: if breaks(a) || breaks(b) { 0.5 } else { 0.0 },
             }
         };
         let mut facets = Self {

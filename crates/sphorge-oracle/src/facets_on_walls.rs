@@ -84,6 +84,7 @@ impl Oracle {
             damping: law.damping / missing,
             friction,
             tangential_stiffness: law.tangential_stiffness / missing,
+            gives_way: 0.0,
         };
         (law_there, law.sliding_damping(&of) / missing)
     }

@@ -14,7 +14,7 @@ use super::ghosts::{Ghosts, WithGhosts};
 use super::self_contact::Surfaces;
 use crate::halo::{Halo, Image};
 use crate::lanes::PairScalar;
-use crate::model::Model;
+use crate::model::{Material, Model};
 use crate::neighbors::{BLOCK, ForeignBlock, ForeignList, NeighborList};
 use crate::particles::Particles;
 use crate::persist::{Archive, ArchiveError, persist_each};
@@ -42,6 +42,8 @@ pub(super) struct BodyContacts {
     works: Vec<Works>,
     /// Forces and heat of particles that have neighbours in contact, block by block.
     pushes: Vec<Vec<(usize, Push)>>,
+    /// Whether a body that breaks has come apart in this step.
+    has_released: bool,
 }
 
 /// Sums over the pairs of two bodies, the first with the lower index.
@@ -218,6 +220,7 @@ impl BodyContacts {
             now: vec![PairSums::default(); pairs],
             works: vec![Works::default(); pairs],
             pushes: vec![Vec::new(); particles.div_ceil(BLOCK)],
+            has_released: false,
         })
     }
 
@@ -263,25 +266,32 @@ impl BodyContacts {
     /// Converts the energy held by the contact of a body with itself to heat of the particles it presses. From now on
     /// its surfaces meet in the sums of the body.
     ///
+    /// A body that `breaks` keeps what it overlaps others by, as its cells may be pressed flat or lie beside theirs, and what its contact with them holds
+    /// becomes heat, too: an overlap of that much would drive them apart with far more.
+    ///
     /// # Errors
     /// A rank is lost.
     pub(super) fn release(
         &mut self,
-        body: usize,
+        (body, breaks): (usize, bool),
         particles: &mut Particles,
         share: Option<&Share>,
     ) -> Result<(), RunFailure> {
         let Some(works) = self.works.get_mut(self.table.place(body, body)) else {
             return Ok(());
         };
-        let held = match self.facets {
+        let mut held = match self.facets {
             // What facets hold is the sum of the last evaluation.
             Some(_) => self.now[self.table.place(body, body)].energy,
             None => std::mem::take(&mut works.overlapped),
         };
         works.damped += held;
         if self.facets.is_some() {
-            self.hand_over(body);
+            if breaks {
+                held += self.let_go(body);
+            } else {
+                self.hand_over(body);
+            }
         }
         let Particles { energy, mass, body: bodies, contact_overlap, reference_normal, .. } = particles;
         let is_met = |i: usize| {
@@ -319,6 +329,18 @@ impl BodyContacts {
             works.overlapped += held;
             works.stored -= held;
         }
+    }
+
+    /// From now on a body that has come apart meets the others by what it overlaps them more than now; returns what their facets held, J.
+    fn let_go(&mut self, body: usize) -> f64 {
+        self.has_released = true;
+        let others = (0..self.table.smoothing_length.len()).filter(|other| *other != body);
+        let places: Vec<usize> = others.map(|other| self.table.place(body, other)).collect();
+        places.into_iter().fold(0.0, |all, place| {
+            let held = std::mem::take(&mut self.now[place].energy);
+            self.works[place].damped += held;
+            all + held
+        })
     }
 
     /// Smoothing lengths of particles in the contact, by body, m.
@@ -455,6 +477,7 @@ impl<T: PairScalar> CpuEngine<T> {
         if facets.is_some_and(|facets| !facets.has_rubble()) {
             return;
         }
+        let before = contacts.has_released.then(|| self.particles.contact_overlap.clone());
         let mut overlaps = std::mem::take(&mut self.particles.contact_overlap);
         let mut directions = std::mem::take(&mut self.particles.contact_direction);
         let mut weights = std::mem::take(&mut self.particles.contact_weight);
@@ -490,8 +513,23 @@ impl<T: PairScalar> CpuEngine<T> {
                     (overlaps[k], directions[k], weights[k]) = (sum.overlap, sum.away, sum.weight);
                 }
             });
+        let mut kept = std::mem::take(&mut self.particles.kept_overlap);
+        if !kept.is_empty() && self.model.materials.iter().any(Material::breaks) {
+            for (i, _) in contacts.foreign.blocks().iter().flat_map(|block| block.rows()) {
+                let whole = overlaps[i];
+                if let Some(before) = &before {
+                    kept[i] += (whole - kept[i] - before[i].max(0.0)).max(0.0);
+                }
+                kept[i] = kept[i].min(whole.max(0.0));
+                overlaps[i] = whole - kept[i];
+            }
+        }
         let p = &mut self.particles;
         (p.contact_overlap, p.contact_direction, p.contact_weight) = (overlaps, directions, weights);
+        p.kept_overlap = kept;
+        if let Some(contacts) = &mut self.contacts {
+            contacts.has_released = false;
+        }
     }
 
     /// First pass of facets: where they are, and their slips.

@@ -41,10 +41,19 @@ pub struct FacetPairLaw<T> {
     pub friction: T,
     /// `k_t`, Pa/m.
     pub tangential_stiffness: T,
+    /// Closure over `D` from which on it falls again, so that nothing is left where owners pass each other; zero where it never does ([`Self::giving_way`]).
+    pub gives_way: T,
 }
 
 /// `k_t` over `k`.
 const TANGENTIAL: f64 = 0.5;
+
+/// Closure over `D` from which on a pair that gives way is closed less again. Its pressure there is 1.5 times that of the half cells closed by all of their
+/// depth, some hundred GPa for metals, which no impact of bodies that break by damage comes to.
+const GIVES_WAY: f64 = 0.5;
+
+/// Distance of owners along `m` over `D` above which a pair that gives way presses with all of its closure, and none of it where they pass each other.
+const IN_ORDER: f64 = 0.3;
 
 impl FacetPairLaw<f64> {
     /// `k = f / (D_a/K_a + D_b/K_b)`; damping `zeta sqrt(2) Z` with the harmonic mean `Z` of `sqrt(rho K)`. Bit-identical in both orders.
@@ -74,12 +83,20 @@ impl FacetPairLaw<f64> {
             damping: strength.damping * core::f64::consts::SQRT_2 * impedance,
             friction: strength.friction,
             tangential_stiffness: if strength.friction > 0.0 { TANGENTIAL * stiffness } else { 0.0 },
+            gives_way: 0.0,
         }
+    }
+
+    /// Of bodies that may break, or meet ones that do: their cells come to lie beside and behind each other, where a pair would begin to press with all of `D`
+    /// closed as soon as its owners are in order. Between that and half of `D` these pairs give way instead, from nothing on.
+    pub fn giving_way(self) -> Self {
+        Self { gives_way: GIVES_WAY, ..self }
     }
 
     /// In the numbers of another precision.
     pub fn cast<T: Real>(self) -> FacetPairLaw<T> {
         FacetPairLaw {
+            gives_way: T::of(self.gives_way),
             stiffness: T::of(self.stiffness),
             damping: T::of(self.damping),
             friction: T::of(self.friction),
@@ -260,6 +277,18 @@ pub(super) fn facing<T: Real>(cosine: T) -> (T, T) {
 
 /// Closure over `D` up to which the stiffness grows; from there on it stays.
 const STIFFEST: f64 = 0.8;
+
+/// Largest second derivative of `omega`.
+const STEEPEST_ORDER: f64 = 6.0 / (IN_ORDER * IN_ORDER);
+
+/// `omega` and `omega'` of the distance of owners along `m` over `D`, where pairs give way; one elsewhere.
+#[inline(always)]
+fn in_order<T: Real>(distance: T, gives_way: T) -> (T, T) {
+    let (zero, one, range) = (T::zero(), T::one(), T::of(IN_ORDER));
+    let t = (distance / range).max(zero).min(one);
+    let way = |then: T, otherwise: T| T::select_lt(zero, gives_way, then, otherwise);
+    (way(t * t * (T::of(3.0) - t - t), one), way(T::of(6.0) * t * (one - t) / range, zero))
+}
 
 /// `phi`, `phi'` and `phi''` of a closure over `D`: `phi = x^2/(2 (1 - x))`, from [`STIFFEST`] on continued with a constant second derivative.
 #[inline(always)]
@@ -572,7 +601,12 @@ impl<T: Elementary> Surfaces<T> {
         let (behind_b, slope_b) = self.b.behind(place);
         let gap = (self.a.plane(place) - self.b.plane(place)) + (behind_a + behind_b);
         let apart = (-gap).max(least);
+        // A pair that gives way does so as one does beside which bodies lap by that share of `D`.
+        let (zero, way) = (T::zero(), law.gives_way * depth);
+        let gives = T::select_lt(zero, law.gives_way, T::select_lt(way, lap, T::one(), zero), zero);
+        let lap = T::select_lt(zero, gives, way, lap);
         let lapped = Lapped::of(apart, lap, depth);
+        let by_lap = |then: T, otherwise: T| T::select_lt(zero, gives, then, otherwise);
         let closure = lapped.closure;
         let [energy, pressure, stiffness] = stiffening(closure / depth);
         let [energy, pressure] = [law.stiffness * depth * depth * energy, law.stiffness * depth * pressure];
@@ -581,12 +615,13 @@ impl<T: Elementary> Surfaces<T> {
             energy,
             pressure: pressure * lapped.by_apart,
             by_closure: pressure,
-            by_lap: pressure * lapped.by_lap,
+            by_lap: by_lap(zero, pressure * lapped.by_lap),
             stiffness: law.stiffness * stiffness,
             closed: (closure / (touch::<T>() * depth)).max(T::zero()).min(T::one()),
             damped: (closure / (T::of(ONSET) * depth)).max(T::zero()).min(T::one()),
             gradient,
-            by_depth: (energy + energy - pressure * closure) / depth + pressure * lapped.by_depth,
+            by_depth: (energy + energy - pressure * closure) / depth
+                + pressure * by_lap(lapped.by_depth + law.gives_way * lapped.by_lap, lapped.by_depth),
         }
     }
 
@@ -763,9 +798,18 @@ impl<T: Elementary> Surfaces<T> {
             energy,
             || {
                 let (chi, by_cosine) = facing(cosine);
+                let distance = -dot(between, m);
+                let (order, by_order) = in_order(distance / depth, law.gives_way);
+                // The derivative by the distance of the owners, which turns `m` as other forces do.
+                let parted = by_order * chi * area * energy / depth;
+                let (chi, by_cosine) = (chi * order, by_cosine * order);
                 let (force, about_a) = self.a.act(&moved, &edges[0], &t, a.middle);
                 let (_, about_b) = self.b.act(&moved, &edges[1], &t, b.middle);
-                let force = force.map(|f| chi * f);
+                let gives = |then: T, otherwise: T| T::select_lt(zero, law.gives_way, then, otherwise);
+                let force = [0, 1, 2].map(|i: usize| gives(chi * force[i] - parted * m[i], chi * force[i]));
+                let by_depth = chi * area * by_depth - parted * distance / depth;
+                let stiffness = chi * stiffness
+                    + T::select_lt(zero, by_order, T::of(STEEPEST_ORDER) * energy / (depth * depth), zero);
                 let [mut moment_a, mut moment_b] =
                     [about_a, about_b].map(|moment| moment.map(|row| row.map(|c| chi * c)));
                 // The rectangle turns with the first edge of a.
@@ -780,8 +824,8 @@ impl<T: Elementary> Surfaces<T> {
                 let facing = by_cosine * area * energy;
                 let by_normal_a = [0, 1, 2].map(|i: usize| -turned[i] - facing * b.normal[i]);
                 let by_normal_b = [0, 1, 2].map(|i: usize| turned[i] - facing * a.normal[i]);
-                add_of_normal(&mut moment_a, a, by_normal_a, chi * area * by_depth);
-                add_of_normal(&mut moment_b, b, by_normal_b, chi * area * by_depth);
+                add_of_normal(&mut moment_a, a, by_normal_a, by_depth);
+                add_of_normal(&mut moment_b, b, by_normal_b, by_depth);
                 let place = [0, 1].map(|i: usize| whole.first[i] / whole.sum);
                 let high =
                     (self.a.plane(place) + self.a.behind(place).0) + (self.b.plane(place) - self.b.behind(place).0);
@@ -798,7 +842,7 @@ impl<T: Elementary> Surfaces<T> {
                     normal: m,
                     centre_a,
                     centre_b: [0, 1, 2].map(|i: usize| centre_a[i] - between[i]),
-                    stiffness: chi * stiffness,
+                    stiffness,
                 }
             },
             FacetPress::none,

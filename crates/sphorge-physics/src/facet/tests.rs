@@ -1,7 +1,8 @@
 use super::*;
 use crate::tensor::identity;
 
-const LAW: FacetPairLaw<f64> = FacetPairLaw { stiffness: 1.0, damping: 0.3, friction: 0.3, tangential_stiffness: 0.5 };
+const LAW: FacetPairLaw<f64> =
+    FacetPairLaw { stiffness: 1.0, damping: 0.3, friction: 0.3, tangential_stiffness: 0.5, gives_way: 0.0 };
 
 /// A number between -1 and 1, another one each time.
 fn random(state: &mut u64) -> f64 {
@@ -41,8 +42,16 @@ struct Owner {
 }
 
 fn pressed(a: (&Owner, &ReferenceFacet<f64>), b: (&Owner, &ReferenceFacet<f64>)) -> FacetPress<f64> {
+    pressed_by(&LAW, a, b)
+}
+
+fn pressed_by(
+    law: &FacetPairLaw<f64>,
+    a: (&Owner, &ReferenceFacet<f64>),
+    b: (&Owner, &ReferenceFacet<f64>),
+) -> FacetPress<f64> {
     let now = |(owner, facet): (&Owner, &ReferenceFacet<f64>)| Facet::now(owner.x, &owner.f, facet);
-    press(&now(a), &now(b), Partner::Facet, &LAW)
+    press(&now(a), &now(b), Partner::Facet, law)
 }
 
 #[test]
@@ -668,6 +677,80 @@ fn owners_never_pass_each_other() {
         let slope = (at(closure + by).energy - at(closure - by).energy) / (2.0 * by);
         assert!((slope / at(closure).force[1] - 1.0).abs() < 1e-8);
     }
+}
+
+#[test]
+fn pairs_that_give_way_press_like_others_up_to_half_of_their_depth_and_let_go_where_owners_pass() {
+    let law = LAW.giving_way();
+    let at = |law: &FacetPairLaw<f64>, closure: f64| {
+        let facets = |side: f64, y: f64| face(strip, side, 1.0, [1, 1], [0.0, y, 0.0], 0.0);
+        press(&facets(-1.0, -closure)[0], &facets(1.0, 0.0)[0], Partner::Facet, law)
+    };
+    // To the bit.
+    for closure in [1e-6, 0.01, 0.3, 0.499] {
+        assert_eq!(at(&law, closure), at(&LAW, closure));
+    }
+    // 0.6: closed by 0.4, x^2/(2 (1 - x)) = 0.16/1.2, its slope there 0.8 0.4/0.36 falls with the closure.
+    let beyond = at(&law, 0.6);
+    assert!((beyond.energy - 0.16 / 1.2).abs() < 1e-14 && (beyond.force[1] + 0.32 / 0.36).abs() < 1e-13, "{beyond:?}");
+    // Owners 0.15 D apart, half of the way over which pairs begin: closed by 0.15, half of 0.0225/1.7.
+    let beginning = at(&law, 0.85);
+    assert!((beginning.energy - 0.5 * 0.0225 / 1.7).abs() < 1e-14, "{beginning:?}");
+    // Owners that come into order, as those of cells beside each other do, find nothing pressed there: before, more than all.
+    for closure in [0.999, 1.001] {
+        assert!(at(&law, closure).energy < 1e-10, "{closure}");
+    }
+    assert!(at(&LAW, 0.999).energy > 5.0);
+}
+
+#[test]
+fn pairs_that_give_way_keep_the_derivative() {
+    // Cells beside and behind each other, tilted and sheared.
+    let law = LAW.giving_way();
+    let mut state = 13;
+    let (mut count, mut beginning) = (0, 0);
+    for _ in 0..600 {
+        let tilt = 0.4 * random(&mut state);
+        let (s, c) = tilt.sin_cos();
+        let spread = |state: &mut u64| 0.1 * random(state);
+        let f_a = [[c, -s, spread(&mut state)], [s, c, 0.0], [0.0, spread(&mut state), 1.0]];
+        let f_b = [[c, s * 0.9, 0.1], [-s * 0.9, 0.8 * c, 0.0], [spread(&mut state), 0.0, 1.1]];
+        let a = Owner { x: [0.3 * random(&mut state), 0.3 + 0.3 * random(&mut state), 0.1], f: f_a };
+        let b = Owner { x: [0.0; 3], f: f_b };
+        let (facet_a, facet_b) = (square(1.0, -1.0), square(1.1, 1.0));
+        let pressed = |a: &Owner, b: &Owner| pressed_by(&law, (a, &facet_a), (b, &facet_b));
+        let p = pressed(&a, &b);
+        if p.energy < 1e-4 {
+            continue;
+        }
+        let depth = Facet::now(a.x, &a.f, &facet_a).depth + Facet::now(b.x, &b.f, &facet_b).depth;
+        beginning += usize::from(dot(a.x, p.normal) < 0.3 * depth);
+        count += 1;
+        let size = dot(p.force, p.force).sqrt().max(p.energy);
+        let by = 1e-6;
+        let stress = [stress_of_moment(&p.moment_a, &f_a), stress_of_moment(&p.moment_b, &f_b)];
+        for i in 0..3 {
+            let moved = |step: f64| {
+                let mut a = a;
+                a.x[i] += step;
+                pressed(&a, &b).energy
+            };
+            let slope = (moved(by) - moved(-by)) / (2.0 * by);
+            assert!((slope + p.force[i]).abs() < 1e-6 * size, "{slope} {} {size}", p.force[i]);
+            for j in 0..3 {
+                for (side, stress) in stress.iter().enumerate() {
+                    let deformed = |step: f64| {
+                        let mut both = [a, b];
+                        both[side].f[i][j] += step;
+                        pressed(&both[0], &both[1]).energy
+                    };
+                    let slope = (deformed(by) - deformed(-by)) / (2.0 * by);
+                    assert!((slope + stress[i][j]).abs() < 1e-6 * size, "{side} {slope} {} {size}", stress[i][j]);
+                }
+            }
+        }
+    }
+    assert!(count > 150 && beginning > 30, "{count} {beginning}");
 }
 
 #[test]

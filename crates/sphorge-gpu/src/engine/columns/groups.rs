@@ -419,7 +419,7 @@ handles! {
 handles! {
     /// [`Group::ContactLaws`] of bodies that meet at facets.
     FacetLaws, Group::ContactLaws,
-    stiffness: Number, damping: Number, friction: Number, tangential_stiffness: Number, _unused: Number,
+    stiffness: Number, damping: Number, friction: Number, tangential_stiffness: Number, gives_way: Number,
     friction_share: Number
 }
 
