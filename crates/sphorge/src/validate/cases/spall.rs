@@ -184,7 +184,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
                 Bounds::Relative(0.1),
                 "tension lasts longer in the layers that a crack is smeared over than in a plane",
             );
-            findings.add(velocity.missed_within((series == PRINCIPAL).then_some(Bounds::Relative(0.27))));
+            findings.add(velocity.missed_within((series == PRINCIPAL).then_some(Bounds::Relative(0.12))));
         }
         studies.into_iter().for_each(|study| findings.study(study));
         let theory = [IMPACT, of.pull_back(), 1e3 * FLYER, of.scab()].map(|value| format!("{value:.2}"));
@@ -201,9 +201,8 @@ fn judge(runs: &Runs, findings: &mut Findings) {
 const NOTE: &str = "Layers on either side of the plane in which the waves meet reach the spall pressure while it opens, and lose \
     integrity, too: the scab is slowed down by more than a crack in a plane would slow it down, 16 m/s instead of 9 m/s. \
     With particles of 0.01 mm, over four of which a crack is smeared, many planes of copper crack at once, and a layer of \
-    1 mm is severed. Known to be missed is the scab of iron: hourglass springs of elastic material soften with no yield \
-    stress, and pull across its crack until particles are severed. The crack takes 20 kJ/m^2 instead of 10 kJ/m^2, and the \
-    scab has 69 m/s; without springs these are 10.8 kJ/m^2 and 86 m/s.";
+    1 mm is severed. Known to be missed is the scab of iron, which has \
+    81 m/s: its crack takes 11.4 kJ/m^2 instead of 10 kJ/m^2, and layers beside it are severed, too.";
 
 #[cfg(test)]
 mod tests {
