@@ -1,5 +1,6 @@
 //! The same on a GPU, or on the processor in place of one: run with `--features device`.
 
+use super::engine::{IRON, PLATE, components, start};
 use super::laws::{Law, laws};
 use super::pairs::{self, Block};
 use super::rounded::Expected;
@@ -7,6 +8,8 @@ use super::{SAMPLES, kernel_of};
 use crate::Gpu;
 use crate::device::{Card, CardFault, Interface};
 use crate::record::{Index, Kernel};
+use sphorge_engine::FieldSource;
+use sphorge_engine::particles::FIELDS;
 
 /// The device the tests run on: the processor, unless `SPHORGE_NEEDS_CARD` says which there has to be, as where all is tested: that of `CUDA` or
 /// `Vulkan`, or the first of any.
@@ -150,4 +153,32 @@ fn an_access_beyond_a_column_is_named_by_the_processor() {
     host.launch([&host.bind(&program, &[&input, &output], 3).unwrap()]);
     let fault = host.read(&output).unwrap_err().to_string();
     assert!(fault.contains("kernel `shift`: thread 2 asks for element 3 of `x`, which has 3"), "{fault}");
+}
+
+#[test]
+fn a_run_by_the_stand_in_for_cuda_has_the_bits_of_the_host_device() {
+    // Functions of a GPU round otherwise.
+    if !card().found().name.contains("stand-in") {
+        return;
+    }
+    let host = Gpu { device: Some("host".to_owned()), ..Gpu::default() };
+    for (deck, overrides) in [PLATE, IRON] {
+        let [ours, theirs] = [gpu(), host.clone()].map(|kind| {
+            let mut simulation = start(&kind, deck, overrides);
+            for _ in 0..30 {
+                simulation.step(None).unwrap();
+            }
+            let fields = FIELDS.iter().map(|field| components(&simulation.read(field.name).unwrap()));
+            (simulation.time(), fields.collect::<Vec<_>>(), simulation.ledger().unwrap())
+        });
+        assert_eq!(ours.0, theirs.0, "{deck}");
+        for (field, (ours, theirs)) in FIELDS.iter().zip(ours.1.iter().zip(&theirs.1)) {
+            assert!(
+                ours.iter().map(|number| number.to_bits()).eq(theirs.iter().map(|number| number.to_bits())),
+                "{deck}: `{}`",
+                field.name
+            );
+        }
+        assert_eq!(ours.2, theirs.2, "{deck}");
+    }
 }
