@@ -58,6 +58,7 @@ struct Machine<'a> {
     program: &'a Program,
     buffers: &'a [Buffer<'a>],
     /// Each by itself, so that one is taken out, written and put back.
+    #[expect(clippy::vec_box, reason = "a register is taken out by its pointer, without a copy")]
     registers: Vec<Box<Row>>,
     mask: Mask,
     /// Masks of what is around the innermost branch or loop; with a branch, that of its other part too.

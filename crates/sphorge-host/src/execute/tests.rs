@@ -1,6 +1,9 @@
 use crate::{Beyond, Binary, Builder, LANES, Unary, memory};
 use std::sync::atomic::{AtomicU32, Ordering};
 
+type OfOne = fn(f32) -> f32;
+type OfTwo = fn(f32, f32) -> f32;
+
 fn numbers(memory: &[AtomicU32]) -> Vec<f32> {
     memory.iter().map(|bits| f32::from_bits(bits.load(Ordering::Relaxed))).collect()
 }
@@ -72,7 +75,7 @@ fn operations_round_as_those_of_a_processor() {
     let count = samples.len();
     let at = |k: usize| samples[k % count];
     let threads = count * count;
-    let unary: [(Unary, fn(f32) -> f32); 8] = [
+    let unary: [(Unary, OfOne); 8] = [
         (Unary::Negate, |a| -a),
         (Unary::Copy, |a| a),
         (Unary::SquareRoot, f32::sqrt),
@@ -82,7 +85,7 @@ fn operations_round_as_those_of_a_processor() {
         (Unary::Exponential, f32::exp),
         (Unary::Cosine, f32::cos),
     ];
-    let binary: [(Binary, fn(f32, f32) -> f32); 5] = [
+    let binary: [(Binary, OfTwo); 5] = [
         (Binary::Add, |a, b| a + b),
         (Binary::Subtract, |a, b| a - b),
         (Binary::Multiply, |a, b| a * b),
