@@ -8,7 +8,7 @@ use sphorge_physics::tensor::identity;
 use sphorge_physics::{Elementary, SymmetricTensor, Tensor};
 
 const LAW: FacetPairLaw<f64> =
-    FacetPairLaw { stiffness: 2.0, damping: 0.3, friction: 0.3, tangential_stiffness: 1.0, gives_way: 0.5 };
+    FacetPairLaw { stiffness: 2.0, damping: 0.3, friction: 0.3, tangential_stiffness: 1.0, gives_way: 0.0 };
 
 /// The square face of a unit cube around its owner that looks along y to `side`, of a surface with a curvature along x.
 fn square<T: Elementary>(side: f64, curvature: T) -> ReferenceFacet<T> {
@@ -34,7 +34,7 @@ fn deformed<T: Elementary>(x: &[T]) -> Tensor<T> {
 pub(super) const RANGES: [(f32, f32); 28] = {
     let f = (-0.3, 0.3);
     let mut all = [f; 28];
-    (all[0], all[1], all[2]) = ((-0.8, 0.8), (0.6, 1.05), (-0.8, 0.8));
+    (all[0], all[1], all[2]) = ((-0.8, 0.8), (0.2, 1.05), (-0.8, 0.8));
     (all[21], all[22]) = ((-0.2, 0.2), (-0.2, 0.2));
     all
 };
@@ -49,9 +49,15 @@ fn facets<T: Elementary>(x: &[T]) -> [Facet<T>; 2] {
     [a, Facet::now([T::zero(); 3], &deformed(&x[12..21]), &b)]
 }
 
+/// Half of the pairs give way.
+fn law<T: Elementary>(x: &[T]) -> FacetPairLaw<T> {
+    let [never, ever] = [LAW, LAW.giving_way()].map(|law| T::of(law.gives_way));
+    FacetPairLaw { gives_way: T::select_lt(x[19], T::zero(), never, ever), ..LAW.cast() }
+}
+
 /// Energy, force and moments of a pair, also with a plane.
 pub(super) fn pair<T: Elementary>(x: &[T]) -> Vec<T> {
-    let ([a, b], law) = (facets(x), LAW.cast::<T>());
+    let ([a, b], law) = (facets(x), law(x));
     let plane = a.foot_on_plane([0.0, 0.4, 0.0].map(T::of), [0.0, 1.0, 0.0].map(T::of));
     let mut results = Vec::new();
     for (other, partner) in [(&b, Partner::Facet), (&plane, Partner::Plane)] {
@@ -69,7 +75,7 @@ pub(super) fn pair<T: Elementary>(x: &[T]) -> Vec<T> {
 
 /// Friction and damping of a pair.
 pub(super) fn slip<T: Elementary>(x: &[T]) -> Vec<T> {
-    let ([a, b], law) = (facets(x), LAW.cast::<T>());
+    let ([a, b], law) = (facets(x), law(x));
     let still = [[T::zero(); 3]; 3];
     let mut p = press(&a, &b, Partner::Facet, &law);
     let velocity = p.velocity([x[23], x[24], x[25]], &deformed(&x[12..21]), [T::zero(); 3], &still);
