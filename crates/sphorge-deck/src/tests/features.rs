@@ -318,7 +318,12 @@ fn what_the_total_lagrangian_form_does_without_is_taken_out_once_and_told() {
     assert_eq!(*numerics, Numerics { viscosity_alpha: 0.1, viscosity_beta: 8.0, ..plain });
     assert_eq!(
         setup.model.formulation,
-        Formulation::TotalLagrangian { hourglass: 1.25, renewal: Some(16.0), self_contact: true }
+        Formulation::TotalLagrangian {
+            hourglass: 1.25,
+            faces: FaceGradients::Linear,
+            renewal: Some(16.0),
+            self_contact: true
+        }
     );
     assert_eq!(
         setup.notes,

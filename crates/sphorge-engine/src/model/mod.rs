@@ -27,7 +27,7 @@ pub use measure::{
     CloudExtent, CraterEdge, Extremum, FragmentQuantity, Measure, MeasureKind, ParticleSelection, Perforation,
 };
 pub use numerics::{
-    AdaptiveSearch, ArtificialStress, Formulation, GradientCorrection, Integrator, Numerics, OutputControl, Precision,
+    AdaptiveSearch, ArtificialStress, FaceGradients, Formulation, GradientCorrection, Integrator, Numerics, OutputControl, Precision,
     Search, SmoothingLength, StepControl, TemperatureSource, TimeControl,
 };
 pub use observed::{Section, Tracer};
