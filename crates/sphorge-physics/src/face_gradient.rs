@@ -294,6 +294,11 @@ mod tests {
 
     impl Body {
         fn new(cloud: Cloud) -> Self {
+            let h = cloud.h;
+            Self::with(cloud, |moment| is_at_face(moment, h))
+        }
+
+        fn with(cloud: Cloud, is_at_face: impl Fn(&ThirdOrder) -> bool) -> Self {
             let slopes: Vec<_> = (0..cloud.count()).map(|i| slopes(&cloud, i)).collect();
             let apart = |i: usize, j: usize| [0, 1, 2].map(|a| cloud.x[j][a] - cloud.x[i][a]);
             let moment = |i: usize| second_moment(slopes[i].iter().map(|(j, slope)| (apart(i, *j), *slope)));
@@ -310,7 +315,7 @@ mod tests {
                 let k = contraction(&moments[i], neighbors, cloud.dimension);
                 (fitted, k)
             };
-            let at_face = |i: usize| is_at_face(&moments[i], cloud.h).then(|| face(i));
+            let at_face = |i: usize| is_at_face(&moments[i]).then(|| face(i));
             let faces = (0..cloud.count()).map(at_face).collect();
             Self { cloud, slopes, faces }
         }
@@ -417,20 +422,44 @@ mod tests {
 
     #[test]
     fn gradients_of_quadratic_fields_are_exact_at_faces_edges_and_corners() {
-        for (dimension, count) in [
-            (Dimension::Two, [7, 6, 1]),
-            (Dimension::Two, [3, 8, 1]),
-            (Dimension::Three, [6, 5, 5]),
-            (Dimension::Three, [5, 6, 3]),
-        ] {
-            let mut body = Body::new(lattice(dimension, count));
-            // That of the second layer is no face, though not quite inside.
+        let counts = [(Dimension::Two, [7, 6, 1]), (Dimension::Two, [3, 8, 1]), (Dimension::Three, [6, 5, 5])];
+        let lattices = counts.into_iter().chain([(Dimension::Three, [5, 6, 3])]).map(|(d, count)| lattice(d, count));
+        for cloud in lattices.chain([Cloud::block(Dimension::Two), Cloud::block(Dimension::Three)]) {
+            let name = format!("{:?}, {} particles", cloud.dimension, cloud.count());
+            let (plain, exact) = errors(&Body::with(cloud, |_| true));
+            assert!(plain > 0.3 && exact < 1e-10, "{name}: {plain} {exact}");
+        }
+        for (dimension, count) in counts {
+            // What is left below the outermost layer, which is not taken for a face.
+            let body = Body::new(lattice(dimension, count));
             let (plain, exact) = errors(&body);
-            assert!(plain > 0.5 && exact < 0.1 * plain, "{count:?}: {plain} {exact}");
-            // Where a particle at a face is beside no such layer it is exact.
-            let dense = |i: usize| body.faces[i].is_some();
-            assert!((0..body.cloud.count()).filter(|&i| dense(i)).count() > body.cloud.count() / 3, "{count:?}");
-            body.cloud.h = 0.11;
+            assert!(exact > 0.0 && exact < 0.05 * plain, "{count:?}: {plain} {exact}");
+            let outermost = |x: &Vector<f64>| {
+                (0..dimension.count()).any(|a| x[a] < 0.05 || x[a] > 0.1 * count[a] as f64 - 0.15)
+            };
+            for (x, face) in body.cloud.x.iter().zip(&body.faces) {
+                assert_eq!(face.is_some(), outermost(x), "{x:?}");
+            }
+        }
+    }
+
+    /// Two layers tell no curvature across: that of what is bent along them is exact, and nothing is made of the other.
+    #[test]
+    fn what_two_layers_do_not_tell_is_left_alone() {
+        let body = Body::new(lattice(Dimension::Two, [8, 2, 1]));
+        let of = |field: fn(&Vector<f64>) -> Vector<f64>| {
+            let g = body.sums(&body.cloud.x.iter().map(field).collect::<Vec<_>>());
+            (body.exact(&g), g)
+        };
+        let (bent, _) = of(|x| [-x[0] * x[1], 0.5 * x[0] * x[0], 0.0]);
+        let (across, plain) = of(|x| [0.0, 0.5 * x[1] * x[1], 0.0]);
+        for (i, x) in body.cloud.x.iter().enumerate() {
+            let right = [[-x[1], -x[0], 0.0], [x[0], 0.0, 0.0], [0.0; 3]];
+            for (found, right) in [(&bent[i], &right), (&across[i], &plain[i])] {
+                for (a, b) in found.as_flattened().iter().zip(right.as_flattened()) {
+                    assert!((a - b).abs() < 1e-12, "{x:?}: {found:?}");
+                }
+            }
         }
     }
 
