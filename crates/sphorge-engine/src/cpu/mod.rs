@@ -118,6 +118,15 @@ impl PartKind for Cpu {
         "cpu-ranks"
     }
 
+    fn supports_in_parts(&self, model: &Model) -> Result<(), Unsupported> {
+        if model.formulation.is_quadratic_at_faces() {
+            let what = "gradients that are exact for quadratic fields at faces, on several ranks".to_owned();
+            let help = "run it in one process, or leave out `search.total-lagrangian.faces`".to_owned();
+            return Err(Unsupported { what, help });
+        }
+        Ok(())
+    }
+
     fn start_part(
         &self,
         model: Arc<Model>,
