@@ -5,8 +5,8 @@ use super::method::{Method, WallContactKind};
 use super::strategy::Strategy;
 use super::value::Choices;
 use sphorge_engine::model::{
-    Arrangement, CraterEdge, Dimensions, FaceGradients, FragmentQuantity, GradientCorrection, Integrator, LatticePlacement, Precision,
-    Search, TemperatureSource, WarningKind,
+    Arrangement, CraterEdge, Dimensions, FaceGradients, FragmentQuantity, GradientCorrection, Integrator,
+    LatticePlacement, Precision, Search, TemperatureSource, WarningKind,
 };
 use sphorge_engine::particles::{FIELDS, FieldInfo};
 use sphorge_physics::{

@@ -65,7 +65,13 @@ impl Oracle {
         };
         let of = (0..self.p.len()).filter_map(face).collect();
         let none = || vec![tensor::zero(); self.p.len()];
-        self.faces = Faces { of, linear: none(), taken: none(), power: vec![0.0; self.p.len()], ..std::mem::take(&mut self.faces) };
+        self.faces = Faces {
+            of,
+            linear: none(),
+            taken: none(),
+            power: vec![0.0; self.p.len()],
+            ..std::mem::take(&mut self.faces)
+        };
         self.faces.excess.resize(self.p.len(), tensor::zero());
     }
 
@@ -87,8 +93,7 @@ impl Oracle {
 
     /// The stresses that work on the sums, of stresses that work on what is left of them.
     pub(crate) fn transposed_at_faces(&mut self, stress: Vec<Tensor<f64>>) -> Vec<Tensor<f64>> {
-        let work =
-            |a: &Tensor<f64>, b: &Tensor<f64>| (0..9).map(|n| a[n / 3][n % 3] * b[n / 3][n % 3]).sum::<f64>();
+        let work = |a: &Tensor<f64>, b: &Tensor<f64>| (0..9).map(|n| a[n / 3][n % 3] * b[n / 3][n % 3]).sum::<f64>();
         let mut of_sums = stress.clone();
         for Face { i, k, neighbors } in &self.faces.of {
             for (j, image, q) in neighbors {

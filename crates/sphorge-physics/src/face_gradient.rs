@@ -434,9 +434,8 @@ mod tests {
             let body = Body::new(lattice(dimension, count));
             let (plain, exact) = errors(&body);
             assert!(exact > 0.0 && exact < 0.05 * plain, "{count:?}: {plain} {exact}");
-            let outermost = |x: &Vector<f64>| {
-                (0..dimension.count()).any(|a| x[a] < 0.05 || x[a] > 0.1 * count[a] as f64 - 0.15)
-            };
+            let outermost =
+                |x: &Vector<f64>| (0..dimension.count()).any(|a| x[a] < 0.05 || x[a] > 0.1 * count[a] as f64 - 0.15);
             for (x, face) in body.cloud.x.iter().zip(&body.faces) {
                 assert_eq!(face.is_some(), outermost(x), "{x:?}");
             }
@@ -469,9 +468,8 @@ mod tests {
             let body = Body::new(Cloud::block(dimension));
             let mut noise = Noise::new(3);
             let d = dimension.count();
-            let v: Vec<Vector<f64>> = (0..body.cloud.count())
-                .map(|_| [0, 1, 2].map(|a| if a < d { noise.next() } else { 0.0 }))
-                .collect();
+            let v: Vec<Vector<f64>> =
+                (0..body.cloud.count()).map(|_| [0, 1, 2].map(|a| if a < d { noise.next() } else { 0.0 })).collect();
             let p: Vec<Tensor<f64>> =
                 v.iter().map(|_| [0, 1, 2].map(|_| [noise.next(), noise.next(), noise.next()])).collect();
             let g = body.sums(&v);

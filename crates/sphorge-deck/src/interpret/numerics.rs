@@ -11,8 +11,8 @@ use crate::raw::{
 use crate::strategy::Strategy;
 use crate::value::{Choice, Given, Number, ScalarOr};
 use sphorge_engine::model::{
-    AdaptiveSearch, ArtificialStress, FaceGradients, Formulation, Numerics, OutputControl, Search, SmoothingLength, StepControl,
-    TimeControl,
+    AdaptiveSearch, ArtificialStress, FaceGradients, Formulation, Numerics, OutputControl, Search, SmoothingLength,
+    StepControl, TimeControl,
 };
 use sphorge_engine::particles::FIELDS;
 use sphorge_physics::parameter::Bound;

@@ -4,11 +4,11 @@
 //! Few particles are at a face, so that the pair sums stay as they are and this is a second, sparse pass. Its terms are found once for a
 //! reference configuration, in the order of the rows of the list; images are entries of the particles they are images of.
 
-use super::sweeps::dispatch_dimension;
 use super::CpuEngine;
+use super::sweeps::dispatch_dimension;
+use crate::halo::Image;
 use crate::lanes::{Instructions, Job, Lanes, PairScalar, run};
 use crate::model::Model;
-use crate::halo::Image;
 use crate::neighbors::{BLOCK, NeighborList};
 use crate::particles::Particles;
 use rayon::prelude::*;
@@ -38,10 +38,17 @@ impl Term {
     /// A tensor of the particle as that of the image.
     #[inline(always)]
     fn seen(&self, tensor: &Tensor<f64>) -> Tensor<f64> {
-        if self.mirrored == [false; 3] {
-            return *tensor;
+        let mut seen = *tensor;
+        if self.mirrored != [false; 3] {
+            for a in 0..3 {
+                for b in 0..3 {
+                    if self.mirrored[a] != self.mirrored[b] {
+                        seen[a][b] = -seen[a][b];
+                    }
+                }
+            }
         }
-        [0, 1, 2].map(|a| [0, 1, 2].map(|b| if self.mirrored[a] == self.mirrored[b] { tensor[a][b] } else { -tensor[a][b] }))
+        seen
     }
 }
 
@@ -135,7 +142,9 @@ impl FaceSums {
         for i in particles {
             want(i);
             if let Ok(face) = faces.binary_search(&(i as u32)) {
-                terms[starts[face] as usize..starts[face + 1] as usize].iter().for_each(|term| want(term.other as usize));
+                terms[starts[face] as usize..starts[face + 1] as usize]
+                    .iter()
+                    .for_each(|term| want(term.other as usize));
             }
         }
         let is_wanted = &*is_wanted;
@@ -174,43 +183,40 @@ impl FaceSums {
         });
     }
 
-    /// Adds to the stresses of all particles near faces what works on the sums there (Pa), of stresses that work on exact gradients; and
-    /// finds the energy that each of them has of it.
+    /// Finds the stresses that work on the sums of all particles, from those that work on exact gradients, `stress`, Pa; and the energy that
+    /// each particle has of the stresses of others. `density` is that of the reference configuration, kg/m^3.
     pub(super) fn transpose(
         &mut self,
         count: usize,
-        of_particle: impl Fn(usize) -> Tensor<f64> + Sync,
-        dimension: Dimension,
-        densities: impl Fn(usize) -> f64 + Sync,
+        stress: impl Fn(usize) -> Tensor<f64> + Sync,
+        (instructions, dimension): (Instructions, Dimension),
+        density: impl Fn(usize) -> f64 + Sync,
     ) {
-        let Self { faces, contraction, whole, near, near_starts, near_terms, face_of_near, linear, excess, spread, shared, stresses: piola, .. } =
-            self;
-        piola.resize(count, [[0.0; 3]; 3]);
-        piola.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(i, piola)| *piola = of_particle(i));
-        let work = |a: &Tensor<f64>, b: &Tensor<f64>| {
-            a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| a * b).sum::<f64>()
-        };
-        dispatch_dimension!(dimension, |D| {
-            let spreads = spread.par_iter_mut().zip(&*faces).zip(&*contraction).with_min_len(AT_ONCE);
-            spreads.for_each(|((spread, &i), k)| *spread = self::spread::<D>(&piola[i as usize], k));
-            shared.par_iter_mut().enumerate().with_min_len(AT_ONCE).for_each(|(n, shared)| {
-                let i = near[n] as usize;
-                let (mut more, mut power) = ([[0.0; 3]; 3], 0.0);
-                if let Some(face) = face_of_near[n] {
-                    more = along::<D>(&spread[face as usize], &whole[face as usize]);
-                    power -= work(&piola[i], &excess[face as usize]);
-                }
-                for term in &near_terms[near_starts[n] as usize..near_starts[n + 1] as usize] {
-                    let stress = term.seen(&along::<D>(&spread[term.other as usize], &term.q));
-                    more = plus(&more, -1.0, &stress);
-                }
-                power -= work(&more, &linear[i]);
-                *shared = (more, power / densities(i));
-            });
+        self.stresses.resize(count, [[0.0; 3]; 3]);
+        let found = self.stresses.par_iter_mut().with_min_len(BLOCK).enumerate();
+        found.for_each(|(i, found)| *found = stress(i));
+        let Self { faces, contraction, spread, stresses, .. } = self;
+        spread.par_chunks_mut(AT_ONCE).enumerate().for_each(|(chunk, spread)| {
+            let first = chunk * AT_ONCE;
+            dispatch_dimension!(dimension, |D| run(
+                instructions,
+                SpreadJob::<D> { first, faces, contraction, stresses, spread }
+            ));
         });
-        for (&i, (more, _)) in near.iter().zip(&*shared) {
-            piola[i as usize] = plus(&piola[i as usize], 1.0, more);
+        let mut shared = std::mem::take(&mut self.shared);
+        let of = &*self;
+        shared.par_chunks_mut(AT_ONCE).enumerate().for_each(|(chunk, shared)| {
+            let first = chunk * AT_ONCE;
+            dispatch_dimension!(dimension, |D| run(instructions, ShareJob::<D> { first, of, shared }));
+            for (n, (_, power)) in shared.iter_mut().enumerate() {
+                *power /= density(of.near[first + n] as usize);
+            }
+        });
+        for (&i, (more, _)) in self.near.iter().zip(&shared) {
+            let own = &mut self.stresses[i as usize];
+            *own = plus(own, 1.0, more);
         }
+        self.shared = shared;
     }
 
     /// The stresses that work on the sums `G_i`, Pa.
@@ -256,6 +262,72 @@ impl<const D: usize> Job<f64> for ExcessJob<'_, D> {
             *result = excess::<D>(&self.contraction[face], &sum);
         }
     }
+}
+
+/// `R_i` of faces.
+struct SpreadJob<'a, const D: usize> {
+    first: usize,
+    faces: &'a [u32],
+    contraction: &'a [ThirdOrder],
+    stresses: &'a [Tensor<f64>],
+    spread: &'a mut [ThirdOrder],
+}
+
+impl<const D: usize> Job<f64> for SpreadJob<'_, D> {
+    #[inline(always)]
+    fn run<L: Lanes<Element = f64>>(self) {
+        for (n, result) in self.spread.iter_mut().enumerate() {
+            let face = self.first + n;
+            *result = spread::<D>(&self.stresses[self.faces[face] as usize], &self.contraction[face]);
+        }
+    }
+}
+
+/// What is added to the stresses of particles near faces, and the power that they have of others, W/m^3.
+struct ShareJob<'a, const D: usize> {
+    first: usize,
+    of: &'a FaceSums,
+    shared: &'a mut [(Tensor<f64>, f64)],
+}
+
+impl<const D: usize> Job<f64> for ShareJob<'_, D> {
+    #[inline(always)]
+    fn run<L: Lanes<Element = f64>>(self) {
+        let FaceSums { near, near_starts, near_terms, face_of_near, whole, spread, stresses, linear, excess, .. } =
+            self.of;
+        for (n, shared) in self.shared.iter_mut().enumerate() {
+            let n = self.first + n;
+            let i = near[n] as usize;
+            let (mut more, mut power) = ([[0.0; 3]; 3], 0.0);
+            if let Some(face) = face_of_near[n] {
+                let face = face as usize;
+                more = along::<D>(&spread[face], &whole[face]);
+                power -= work::<D>(&stresses[i], &excess[face]);
+            }
+            for term in &near_terms[near_starts[n] as usize..near_starts[n + 1] as usize] {
+                let stress = term.seen(&along::<D>(&spread[term.other as usize], &term.q));
+                for a in 0..D {
+                    for b in 0..D {
+                        more[a][b] -= stress[a][b];
+                    }
+                }
+            }
+            power -= work::<D>(&more, &linear[i]);
+            *shared = (more, power);
+        }
+    }
+}
+
+/// `a : b`.
+#[inline(always)]
+fn work<const D: usize>(a: &Tensor<f64>, b: &Tensor<f64>) -> f64 {
+    let mut sum = 0.0;
+    for k in 0..D {
+        for l in 0..D {
+            sum += a[k][l] * b[k][l];
+        }
+    }
+    sum
 }
 
 /// What the terms of faces are made of: the reference configuration of one process.
@@ -369,8 +441,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let near: Vec<u32> = (0..count as u32).filter(|&i| is_near[i as usize]).collect();
         let mut place = vec![u32::MAX; count];
         near.iter().enumerate().for_each(|(n, &i)| place[i as usize] = n as u32);
-        let moments: Vec<ThirdOrder> =
-            near.par_iter().with_min_len(AT_ONCE).map(|&i| of.moment(i as usize)).collect();
+        let moments: Vec<ThirdOrder> = near.par_iter().with_min_len(AT_ONCE).map(|&i| of.moment(i as usize)).collect();
         let faces: Vec<Face> = at_faces
             .par_iter()
             .with_min_len(AT_ONCE)

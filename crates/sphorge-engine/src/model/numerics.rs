@@ -133,7 +133,7 @@ impl FaceGradients {
     pub fn counted_misfit(self) -> f64 {
         match self {
             Self::Linear => COUNTED_MISFIT,
-            Self::Quadratic => std::env::var("SPH_C").map_or(COUNTED_MISFIT_QUADRATIC, |v| v.parse().unwrap()),
+            Self::Quadratic => COUNTED_MISFIT_QUADRATIC,
         }
     }
 }

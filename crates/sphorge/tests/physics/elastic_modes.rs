@@ -234,7 +234,11 @@ fn strips_bend_as_fast_as_beams() {
         let most = values[values.len() - 1];
         let lowest = values.into_iter().find(|value| *value > 1e-6 * most).unwrap().sqrt();
         let beam = timoshenko(f64::from(length) * SPACING, thickness);
-        assert!((lowest / beam - 1.0).abs() < bound, "{faces}, {layers} layers: {} of the frequency of a beam", lowest / beam);
+        assert!(
+            (lowest / beam - 1.0).abs() < bound,
+            "{faces}, {layers} layers: {} of the frequency of a beam",
+            lowest / beam
+        );
     }
 }
 

@@ -122,37 +122,38 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
         let state = (&*material, &*deviator, &*pressure, &*sound_speed);
         let (history, deletes) = (&*history, materials.iter().any(Material::deletes));
         // Deforms a block with these sums; `taken` is what those at faces have less than the plain ones.
-        let deform_block = |b: usize, columns: Deformed<'_>, sums: &mut [Tensor<f64>; BLOCK], taken: &mut [Tensor<f64>]| {
-            let (l, rho, f, stretch, yielded, mu) = columns;
-            for k in 0..l.len() {
-                let i = b * BLOCK + k;
-                let mut rate = sums[k];
-                if has_thin_parts && is_thin(&correction[i]) > 0.0 {
-                    let (material, deviator, pressure, sound_speed) = state;
-                    let across = Across {
-                        bulk_modulus: rho[k] * sound_speed[i] * sound_speed[i],
-                        shear_modulus: materials[material[i] as usize].shear_modulus,
-                        stress: deviator[i] - SymmetricTensor::isotropic(pressure[i]),
-                    };
-                    rate = completed_rate(&f[k], &rate, &correction[i], &across, dt);
+        let deform_block =
+            |b: usize, columns: Deformed<'_>, sums: &mut [Tensor<f64>; BLOCK], taken: &mut [Tensor<f64>]| {
+                let (l, rho, f, stretch, yielded, mu) = columns;
+                for k in 0..l.len() {
+                    let i = b * BLOCK + k;
+                    let mut rate = sums[k];
+                    if has_thin_parts && is_thin(&correction[i]) > 0.0 {
+                        let (material, deviator, pressure, sound_speed) = state;
+                        let across = Across {
+                            bulk_modulus: rho[k] * sound_speed[i] * sound_speed[i],
+                            shear_modulus: materials[material[i] as usize].shear_modulus,
+                            stress: deviator[i] - SymmetricTensor::isotropic(pressure[i]),
+                        };
+                        rate = completed_rate(&f[k], &rate, &correction[i], &across, dt);
+                    }
+                    if deletes && materials[material[i] as usize].deletes() && history.integrity_of(i) == 0.0 {
+                        // What is deleted keeps its deformation and has no springs: nothing resists what its neighbours do, and it must
+                        // not limit the step.
+                        (rate, yielded[k]) = (tensor::zero(), 0.0);
+                        taken.iter_mut().skip(k).take(1).for_each(|taken| *taken = tensor::zero());
+                    }
+                    l[k] = deform(&mut f[k], &rate, dt);
+                    rho[k] = density_of(mass[i], volume[i], &f[k]);
                 }
-                if deletes && materials[material[i] as usize].deletes() && history.integrity_of(i) == 0.0 {
-                    // What is deleted keeps its deformation and has no springs: nothing resists what its neighbours do, and it must
-                    // not limit the step.
-                    (rate, yielded[k]) = (tensor::zero(), 0.0);
-                    taken.iter_mut().skip(k).take(1).for_each(|taken| *taken = tensor::zero());
+                run(instructions, SmallestStretches { deformation: f, stretch });
+                for k in 0..l.len() {
+                    if flow[b * BLOCK + k] > 0.0 {
+                        yielded[k] = stretch[k].min(yielded[k]);
+                    }
+                    mu[k] = bulk_mu(&l[k], h[b * BLOCK + k] * stretch[k]);
                 }
-                l[k] = deform(&mut f[k], &rate, dt);
-                rho[k] = density_of(mass[i], volume[i], &f[k]);
-            }
-            run(instructions, SmallestStretches { deformation: f, stretch });
-            for k in 0..l.len() {
-                if flow[b * BLOCK + k] > 0.0 {
-                    yielded[k] = stretch[k].min(yielded[k]);
-                }
-                mu[k] = bulk_mu(&l[k], h[b * BLOCK + k] * stretch[k]);
-            }
-        };
+            };
         let blocks = (
             (
                 velocity_gradient.par_chunks_mut(BLOCK),
