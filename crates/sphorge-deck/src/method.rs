@@ -65,7 +65,7 @@ impl Method {
             Self::TotalLagrangian => {
                 // A square lattice has steps for a round surface, and corners beyond it: a bar of twelve particles across is 4 % too wide.
                 Choices {
-                    strategy: Strategy::total(defaults::HOURGLASS, defaults::RENEWAL, true),
+                    strategy: Strategy::TOTAL,
                     wall: WallContactKind::Penalty,
                     viscosity: defaults::BULK_VISCOSITY,
                     round: Arrangement::Rings,

@@ -1,6 +1,7 @@
 //! What the key `search` chooses, a neighbour search and a formulation, and what the formulation leaves out of the model.
 
-use sphorge_engine::model::{Formulation, Numerics, Search};
+use crate::defaults;
+use sphorge_engine::model::{FaceGradients, Formulation, Numerics, Search};
 use sphorge_physics::pair::PairForm;
 
 /// Neighbour search and formulation.
@@ -16,9 +17,17 @@ impl Strategy {
         Self { search, formulation: Formulation::UpdatedLagrangian }
     }
 
-    /// The total Lagrangian form, whose lists are those of the start.
-    pub(crate) const fn total(hourglass: f64, renewal: Option<f64>, self_contact: bool) -> Self {
-        Self { search: Search::Initial, formulation: Formulation::TotalLagrangian { hourglass, renewal, self_contact } }
+    /// The total Lagrangian form, whose lists are those of the start, with the default of each of its keys.
+    pub(crate) const TOTAL: Self = Self::total(Formulation::TotalLagrangian {
+        hourglass: defaults::hourglass(FaceGradients::Linear),
+        faces: FaceGradients::Linear,
+        renewal: defaults::RENEWAL,
+        self_contact: true,
+    });
+
+    /// The total Lagrangian form with these constants.
+    pub(crate) const fn total(formulation: Formulation) -> Self {
+        Self { search: Search::Initial, formulation }
     }
 
     /// Takes out of the choices what the formulation does without; what to tell the user whose keys had asked for it.

@@ -78,6 +78,15 @@ pub trait PartKind: EngineKind {
     /// Name of the engine that all ranks together are, in summaries.
     fn shared_name(&self) -> &'static str;
 
+    /// Whether parts of this engine can run a model that it can run in one process.
+    ///
+    /// # Errors
+    /// What they cannot do.
+    fn supports_in_parts(&self, model: &Model) -> Result<(), Unsupported> {
+        let _ = model;
+        Ok(())
+    }
+
     /// Starts the part of this rank: every rank has the same model and all particles, of which it keeps its share.
     ///
     /// # Errors

@@ -73,7 +73,8 @@ impl EngineKind for Leader {
     }
 
     fn supports(&self, model: &Model) -> Result<(), Unsupported> {
-        self.kind.supports(model)
+        self.kind.supports(model)?;
+        self.kind.supports_in_parts(model)
     }
 
     fn take_deck(&self, name: &str, deck: &str) {

@@ -3,6 +3,7 @@
 //! It shares the laws of `sphorge-physics` with the engine for processors and nothing else: no lists, no lanes, no ghosts in memory,
 //! no shortcuts. What it says of a deck is what the equations say of it.
 
+use faces::Faces;
 use facets::Facets;
 use facets_on_walls::WallFacets;
 use pairs::{Image, plus};
@@ -20,6 +21,7 @@ use std::sync::Arc;
 use sums::uncorrected;
 use surroundings::Accounts;
 
+mod faces;
 mod facets;
 mod facets_on_walls;
 mod pairs;
@@ -65,6 +67,7 @@ pub(crate) struct Oracle {
     pub(crate) earlier_deformation: Vec<Tensor<f64>>,
     pub(crate) has_come_apart: Vec<bool>,
     pub(crate) is_renewed: bool,
+    pub(crate) faces: Faces,
     pub(crate) facets: Option<Facets>,
     pub(crate) wall_facets: Option<WallFacets>,
     /// Force of the contact, N, power that goes to heat, W, and speed of approach, m/s, of every particle.
@@ -155,6 +158,7 @@ impl EngineKind for OracleKind {
             base_density: p.density.clone(),
             weight: vec![0.0; n],
             correction: uncorrected(n),
+            faces: Faces::default(),
             deformation: uncorrected(n),
             earlier_deformation: uncorrected(n),
             has_come_apart: vec![false; model.bodies.len()],

@@ -2,6 +2,7 @@
 
 use super::Oracle;
 use sphorge_engine::model::{BodyContact, Model, Search};
+use sphorge_physics::face_gradient::ThirdOrder;
 use sphorge_physics::tensor::dot;
 use sphorge_physics::{Tensor, Vector, kernel::pair_smoothing_length};
 
@@ -51,6 +52,12 @@ impl Image {
 
     pub(crate) fn vector(&self, v: Vector<f64>) -> Vector<f64> {
         [0, 1, 2].map(|a| self.sign[a] * v[a])
+    }
+
+    pub(crate) fn third_order(&self, t: &ThirdOrder) -> ThirdOrder {
+        let mut seen = t.map(|t| self.tensor(&t));
+        (0..3).for_each(|a| seen[a] = seen[a].map(|row| row.map(|c| self.sign[a] * c)));
+        seen
     }
 
     pub(crate) fn tensor(&self, t: &Tensor<f64>) -> Tensor<f64> {

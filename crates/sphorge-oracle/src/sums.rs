@@ -78,6 +78,9 @@ impl Oracle {
             self.earlier_deformation[i] = multiply(&self.deformation[i], &self.earlier_deformation[i]);
             self.deformation[i] = identity();
             (self.yielded_stretch[i], self.spring_misfit[i], self.spring_moment[i]) = (1.0, 0.0, tensor::zero());
+            if let Some(excess) = self.faces.excess.get_mut(i) {
+                *excess = tensor::zero();
+            }
         }
         for (apart, due) in self.has_come_apart.iter_mut().zip(&due) {
             *apart |= due;
@@ -124,8 +127,9 @@ impl Oracle {
                     self.yielded_stretch[i] = 0.0;
                 }
             }
+            self.find_faces_of_sums(&at);
         }
-        let gradients = self.each(|i| {
+        let mut gradients = self.each(|i| {
             let mut sum = tensor::zero();
             for n in self.pairs(i, &at) {
                 let v = minus(n.image.vector(self.p.velocity[n.j]), self.p.velocity[i]);
@@ -133,6 +137,11 @@ impl Oracle {
             }
             multiply(&sum, &transpose(&self.correction[i]))
         });
+        let is_quadratic = self.model.formulation.is_quadratic_at_faces();
+        if is_quadratic {
+            (self.faces.taken, self.faces.linear) = (self.taken_at_faces(&gradients), gradients.clone());
+            gradients = self.without_excess(gradients);
+        }
         let support = numerics.kernel.support();
         self.p.neighbors = self.each(|i| self.pairs(i, &at).filter(|n| n.r < support * n.h).count() as u32);
         let step = self.dt_to_evaluation();
@@ -151,6 +160,12 @@ impl Oracle {
                     // It keeps its deformation.
                     gradient = tensor::zero();
                     self.yielded_stretch[i] = 0.0;
+                    if is_quadratic {
+                        self.faces.taken[i] = tensor::zero();
+                    }
+                }
+                if is_quadratic {
+                    self.faces.excess[i] = tensor::plus(&self.faces.excess[i], self.dt, &self.faces.taken[i]);
                 }
                 if self.material(i).is_brittle() {
                     // Springs have the root of it.
@@ -197,16 +212,20 @@ impl Oracle {
     /// them, those of the middle of the step.
     pub(crate) fn evaluated_gradients(&self) -> Vec<Tensor<f64>> {
         let at = self.places(self.p.position.clone());
-        self.each(|i| {
-            if is_thin(&self.correction[i]) > 0.0 {
-                return self.p.velocity_gradient[i];
-            }
+        let mut sums = self.each(|i| {
             let mut sum = tensor::zero();
             for n in self.pairs(i, &at) {
                 let v = minus(n.image.vector(self.evaluated[n.j]), self.evaluated[i]);
                 add_dyad(&mut sum, self.weight[n.j] * n.f, v, n.x);
             }
-            multiply(&multiply(&sum, &transpose(&self.correction[i])), &inverse(&self.deformation[i]))
+            multiply(&sum, &transpose(&self.correction[i]))
+        });
+        if self.model.formulation.is_quadratic_at_faces() {
+            sums = self.without_excess(sums);
+        }
+        self.each(|i| match is_thin(&self.correction[i]) > 0.0 {
+            true => self.p.velocity_gradient[i],
+            false => multiply(&sums[i], &inverse(&self.deformation[i])),
         })
     }
 
@@ -351,8 +370,7 @@ impl Oracle {
             self.stress[i] = match self.total_lagrangian() {
                 Some(_) => {
                     let piola = first_piola(sigma, &self.deformation[i]);
-                    let more = tensor::plus(&self.face_stress[i], 1.0, &self.spring_moment[i]);
-                    multiply(&tensor::plus(&piola, 1.0, &more), &self.correction[i])
+                    tensor::plus(&piola, 1.0, &self.face_stress[i])
                 }
                 None => multiply(&sigma.to_tensor(), &self.correction[i]),
             };
@@ -366,6 +384,16 @@ impl Oracle {
                 self.repulsion[i] = tensor.to_tensor();
             }
             self.switch[i] = if numerics.balsara { balsara(&l, c, h) } else { 1.0 };
+        }
+        if self.model.formulation.is_quadratic_at_faces() {
+            let stress = std::mem::take(&mut self.stress);
+            self.stress = self.transposed_at_faces(stress);
+        }
+        if self.total_lagrangian().is_some() {
+            for i in 0..self.p.len() {
+                let with_moment = tensor::plus(&self.stress[i], 1.0, &self.spring_moment[i]);
+                self.stress[i] = multiply(&with_moment, &self.correction[i]);
+            }
         }
     }
 
@@ -455,7 +483,12 @@ impl Oracle {
     /// Springs of particle `i`.
     fn spring(&self, strength: f64, i: usize) -> Spring<f64> {
         let (young, p) = (self.material(i).young_modulus(), &self.p);
-        Spring::new(strength, young, p.yield_stress[i], p.plastic_strain[i], self.yielded_stretch[i])
+        let (flow, least) = (p.yield_stress[i], self.yielded_stretch[i]);
+        let counted = match self.model.formulation {
+            Formulation::TotalLagrangian { faces, .. } => faces.counted_misfit(),
+            Formulation::UpdatedLagrangian => 0.0,
+        };
+        Spring::of_misfit(counted, strength, young, flow, p.plastic_strain[i], least)
     }
 
     /// Energy that the springs hold, J.
@@ -475,6 +508,11 @@ impl Oracle {
         let Some(strength) = self.total_lagrangian() else { return };
         let p = &self.p;
         let stiffness = self.each(|i| self.spring(strength, i).at(self.spring_misfit[i]));
+        // Of the plain sums.
+        let fit = self.each(|i| match self.faces.excess.get(i) {
+            Some(excess) => tensor::plus(&self.deformation[i], 1.0, excess),
+            None => self.deformation[i],
+        });
         let sums = self.each(|i| {
             let (mut a, mut power, mut misfit, mut exerted) = ([0.0; 3], 0.0, 0.0, Vec::new());
             let mut moment = tensor::zero();
@@ -482,8 +520,8 @@ impl Oracle {
                 let x = minus(p.position[i], n.image.point(p.position[n.j]));
                 let v = minus(self.evaluated[i], n.image.vector(self.evaluated[n.j]));
                 let miss = |f: &Tensor<f64>| minus(apply(f, n.x), x);
-                let own = miss(&self.deformation[i]);
-                let other = miss(&n.image.tensor(&self.deformation[n.j]));
+                let own = miss(&fit[i]);
+                let other = miss(&n.image.tensor(&fit[n.j]));
                 let weight = -self.initial_volume[n.j] * n.f;
                 let both = plus(own.map(|z| 0.5 * stiffness[i] * z), 0.5 * stiffness[n.j], other);
                 let push = both.map(|push| self.initial_volume[i] / p.mass[i] * weight * push);
@@ -505,6 +543,7 @@ impl Oracle {
             self.hourglass_power += self.initial_volume[i] * worked.sum::<f64>();
             self.spring_moment[i] = moment.map(|row| row.map(|m| 0.5 * stiffness[i] * m));
             self.spring_misfit[i] = misfit;
+            self.p.energy_rate[i] += self.faces.power.get(i).copied().unwrap_or_default();
             self.p.acceleration[i] = plus(self.p.acceleration[i], 1.0, a);
             self.p.energy_rate[i] += power;
             self.hourglass_power += self.p.mass[i] * power;

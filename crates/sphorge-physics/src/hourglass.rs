@@ -52,7 +52,10 @@ const COUNTED_STRAIN: f64 = 0.7;
 /// How much of the misfit counts as strain, `c`: it decides where the misfit is large, as in hinges, which lock without,
 /// and in feet. The foot of a plate of iron with 12 particles across is 1.3 and 0.9 % too narrow with 17 and 20, that of a
 /// copper bar on a wall that lets it go 3.0 % with 17 and 2.2 % with 32; but with 32 a bar at 300 m/s has one that is 2.6 % too wide.
-const COUNTED_MISFIT: f64 = 16.0;
+pub const COUNTED_MISFIT: f64 = 16.0;
+
+/// The same where gradients are exact for quadratic fields at faces.
+pub const COUNTED_MISFIT_QUADRATIC: f64 = 4.0;
 
 /// Largest deviation of `M B M` from `M`, relative to `M`, that is rounding.
 const INEXACT: f64 = 1e-3;
@@ -71,11 +74,24 @@ impl<T: Real> Spring<T> {
     /// least principal stretch at which it has yielded.
     #[inline(always)]
     pub fn new(strength: T, young: T, yield_stress: T, plastic_strain: T, least_stretch: T) -> Self {
+        Self::of_misfit(COUNTED_MISFIT, strength, young, yield_stress, plastic_strain, least_stretch)
+    }
+
+    /// The same with so much of the misfit counted as strain, `c`.
+    #[inline(always)]
+    pub fn of_misfit(
+        counted_misfit: f64,
+        strength: T,
+        young: T,
+        yield_stress: T,
+        plastic_strain: T,
+        least_stretch: T,
+    ) -> Self {
         // A fluid has no springs, but its flow stress must not be zero.
         let flow = yield_stress.max(T::of(LEAST) * young).max(T::one());
         let inverse_strain = young / flow;
         let share = T::one() / (T::one() + T::of(COUNTED_STRAIN) * inverse_strain * plastic_strain);
-        let softening = T::of(COUNTED_MISFIT) * inverse_strain * share;
+        let softening = T::of(counted_misfit) * inverse_strain * share;
         let stiffness = strength * young * share * least_stretch.min(T::one()).sqrt();
         Self { stiffness, softening: softening * softening }
     }

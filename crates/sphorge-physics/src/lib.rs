@@ -21,6 +21,7 @@ pub mod contact;
 pub mod damage;
 pub mod dimension;
 pub mod eos;
+pub mod face_gradient;
 pub mod facet;
 pub mod flow;
 pub mod gradient_correction;

@@ -149,11 +149,17 @@ pub fn force_tensor<T: Real>(
     face_stress: &Tensor<T>,
     correction: &Tensor<T>,
 ) -> Tensor<T> {
+    multiply(&total_first_piola(stress, f, face_stress), correction)
+}
+
+/// The first Piola–Kirchhoff stress of a Cauchy stress plus that of the forces on the faces of a particle, Pa.
+#[inline(always)]
+pub fn total_first_piola<T: Real>(stress: SymmetricTensor<T>, f: &Tensor<T>, face_stress: &Tensor<T>) -> Tensor<T> {
     let mut piola = first_piola(stress, f);
     for (own, face) in piola.as_flattened_mut().iter_mut().zip(face_stress.as_flattened()) {
         *own += *face;
     }
-    multiply(&piola, correction)
+    piola
 }
 
 /// `P = det F sigma F^-T`, the first Piola–Kirchhoff stress of a Cauchy stress: force per initial area, Pa.

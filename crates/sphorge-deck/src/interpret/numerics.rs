@@ -1,6 +1,6 @@
 //! Discretisation, search, time, output.
 
-use crate::choice::{FormulationWord, GuardWord, SearchWord, SmoothingLengthWord};
+use crate::choice::{FaceGradientsWord, FormulationWord, GuardWord, SearchWord, SmoothingLengthWord};
 use crate::defaults;
 use crate::fault::{Fault, Problems};
 use crate::method::{Choices, Method};
@@ -11,8 +11,8 @@ use crate::raw::{
 use crate::strategy::Strategy;
 use crate::value::{Choice, Given, Number, ScalarOr};
 use sphorge_engine::model::{
-    AdaptiveSearch, ArtificialStress, Formulation, Numerics, OutputControl, Search, SmoothingLength, StepControl,
-    TimeControl,
+    AdaptiveSearch, ArtificialStress, FaceGradients, Formulation, Numerics, OutputControl, Search, SmoothingLength,
+    StepControl, TimeControl,
 };
 use sphorge_engine::particles::FIELDS;
 use sphorge_physics::parameter::Bound;
@@ -223,11 +223,14 @@ fn adaptive_search(raw: &RawAdaptive, problems: &mut Problems) -> Option<Adaptiv
 
 fn total_lagrangian_form(raw: &RawTotalLagrangian, problems: &mut Problems) -> Option<Strategy> {
     let corrected = or_default!(raw.form, true, |f: &Choice<FormulationWord>| f.get(problems));
-    let hourglass = or_default!(raw.hourglass, defaults::HOURGLASS, |h: &Given<Number>| hourglass(h, problems));
+    let faces = or_default!(raw.faces, FaceGradients::Linear, |f: &Choice<FaceGradientsWord>| f.get(problems));
+    let usual = defaults::hourglass(faces.unwrap_or_default());
+    let hourglass = or_default!(raw.hourglass, usual, |h: &Given<Number>| hourglass(h, problems));
     let renewal = or_default!(raw.renewal, defaults::RENEWAL, |r: &Given<Number>| renewal(r, problems));
     let self_contact = or_default!(raw.self_contact, true, |s: &crate::value::Flag| s.get(problems));
     let unused = [
         ("hourglass control", "hourglass", raw.hourglass.as_ref().map(|h| h.span())),
+        ("correction at faces", "faces", raw.faces.as_ref().map(|f| f.span())),
         ("renewal", "renewal", raw.renewal.as_ref().map(|r| r.span())),
         ("contact of a body with itself", "self-contact", raw.self_contact.as_ref().map(|s| s.span())),
     ];
@@ -238,9 +241,9 @@ fn total_lagrangian_form(raw: &RawTotalLagrangian, problems: &mut Problems) -> O
             problems.push(fault.help(format!("leave `{key}` or `form = \"frozen\"` out")));
         }
     }
-    let (hourglass, renewal, self_contact) = (hourglass?, renewal?, self_contact?);
+    let (hourglass, faces, renewal, self_contact) = (hourglass?, faces?, renewal?, self_contact?);
     Some(if corrected? {
-        Strategy::total(hourglass, renewal, self_contact)
+        Strategy::total(Formulation::TotalLagrangian { hourglass, faces, renewal, self_contact })
     } else {
         Strategy::updated(Search::Initial)
     })

@@ -92,9 +92,12 @@ tables! {
         /// Form of the sums. The corrected form leaves out artificial stress, XSPH and density restoration, which belong to
         /// sums over current neighbours, and uses a bulk viscosity with the same constants instead of the pair viscosity.
         form: Option<Choice<FormulationWord>>, example "frozen", default "corrected";
-        /// Strength `alpha` of the hourglass springs of the corrected form, at most 4, 0 for none. Bending is right with 1.25. The springs soften and yield with
-        /// the material.
+        /// Strength `alpha` of the hourglass springs of the corrected form, at most 4, 0 for none. Bending is right with 1.25, and with 0.4
+        /// where `faces = "quadratic"`, which is the default there. The springs soften and yield with the material.
         hourglass: Option<Given<Number>>, example 0.8, default 1.25;
+        /// Fields for which gradients of the corrected form are exact at the faces of bodies: `linear` or `quadratic`. With quadratic ones metal that yields in
+        /// bending is right with three layers and more, and its pressure does not alternate from layer to layer; a step takes some per cent longer.
+        faces: Option<Choice<FaceGradientsWord>>, example "quadratic", default "linear";
         /// Principal stretch at which a body of the corrected form comes apart, 1.1 to 100, or 0 for never; at most 4 where it is liquid: without shear stress,
         /// at its melting temperature, or with the energy of melting. From then on its sums are taken in its current configuration, which is updated whenever it is stretched or compressed by a factor of two: parts without common neighbours are separate pieces.
         renewal: Option<Given<Number>>, example 4.0, default 16.0;

@@ -394,6 +394,8 @@ fn constants_of_a_search_that_are_not_used_are_refused() {
     told(every, bound, "not-together", "0.01", "does not use a strain bound", "`strain-bound`");
     let hourglass = "search = { total-lagrangian = { form = \"frozen\", hourglass = 3 } }";
     told(every, hourglass, "not-together", "3", "no hourglass control", "`hourglass`");
+    let faces = "search = { total-lagrangian = { form = \"frozen\", faces = \"quadratic\" } }";
+    told(every, faces, "not-together", "\"quadratic\"", "no correction at faces", "`faces`");
 }
 
 #[test]

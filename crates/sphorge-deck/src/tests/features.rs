@@ -307,6 +307,21 @@ fn fitted(deck: &str) -> String {
 }
 
 #[test]
+fn gradients_at_faces_choose_the_strength_of_the_springs() {
+    for (keys, expected) in [
+        ("faces = \"linear\"", (FaceGradients::Linear, 1.25, 16.0)),
+        ("faces = \"quadratic\"", (FaceGradients::Quadratic, 0.4, 4.0)),
+        ("faces = \"quadratic\", hourglass = 1.0", (FaceGradients::Quadratic, 1.0, 4.0)),
+    ] {
+        let search = format!("search = {{ total-lagrangian = {{ {keys} }} }}");
+        let deck = fitted(&changed("search = \"every-step\"", &search).replace("\"armco-iron\"", "\"ofhc-copper\""));
+        let formulation = load_text("taylor", &deck, &[]).unwrap().model.formulation;
+        let Formulation::TotalLagrangian { hourglass, faces, .. } = formulation else { panic!("{formulation:?}") };
+        assert_eq!((faces, hourglass, faces.counted_misfit()), expected, "{keys}");
+    }
+}
+
+#[test]
 fn what_the_total_lagrangian_form_does_without_is_taken_out_once_and_told() {
     let deck = changed(
         "search = \"every-step\"",
@@ -318,7 +333,12 @@ fn what_the_total_lagrangian_form_does_without_is_taken_out_once_and_told() {
     assert_eq!(*numerics, Numerics { viscosity_alpha: 0.1, viscosity_beta: 8.0, ..plain });
     assert_eq!(
         setup.model.formulation,
-        Formulation::TotalLagrangian { hourglass: 1.25, renewal: Some(16.0), self_contact: true }
+        Formulation::TotalLagrangian {
+            hourglass: 1.25,
+            faces: FaceGradients::Linear,
+            renewal: Some(16.0),
+            self_contact: true
+        }
     );
     assert_eq!(
         setup.notes,

@@ -16,7 +16,8 @@ use sphorge_physics::flow::FlowStep;
 use sphorge_physics::integrity::smeared_width;
 use sphorge_physics::pair::{PairForm, momentum_weight};
 use sphorge_physics::return_mapping::{Returned, return_mapping_near};
-use sphorge_physics::{SymmetricTensor, Tensor, heat, stress, viscosity};
+use sphorge_physics::total_lagrangian::total_first_piola;
+use sphorge_physics::{SymmetricTensor, Tensor, heat, stress, tensor, viscosity};
 
 /// Data that a plastic step of a block of particles reads and writes.
 struct FlowColumns<'a> {
@@ -566,11 +567,31 @@ impl<T: PairScalar> CpuEngine<T> {
                 .for_each_init(StressColumns::new, |columns, (chunk, extras)| update(columns, chunk, extras));
         }
 
+        if self.face_sums.is_some() {
+            return self.correct_at_faces();
+        }
         let records = &self.records.force;
         let particles = &self.particles;
         self.records.corrected[..corrected_length].par_iter_mut().enumerate().for_each(|(i, record)| {
             let stress = stress_of(&records[i]);
             let product = formulation.force_tensor(particles, i, stress, &particles.correction[i]);
+            for (slot, value) in product.iter().flatten().enumerate() {
+                record[slot] = T::of(*value);
+            }
+        });
+    }
+
+    /// Packs the tensors of the force sum where gradients are exact for quadratic fields at faces.
+    fn correct_at_faces(&mut self) {
+        let Some(face_sums) = &mut self.face_sums else { return };
+        let (p, records) = (&self.particles, &self.records.force);
+        let stress = |i: usize| total_first_piola(stress_of(&records[i]), &p.deformation[i], &p.face_stress[i]);
+        let how = (self.instructions, super::dimension(&self.model));
+        face_sums.transpose(p.len(), stress, how, |i| p.mass[i] / p.reference_volume[i]);
+        let stresses = face_sums.stresses();
+        self.records.corrected[..p.len()].par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(i, record)| {
+            let own = tensor::plus(&stresses[i], 1.0, &p.spring_moment[i]);
+            let product = tensor::multiply(&own, &p.correction[i]);
             for (slot, value) in product.iter().flatten().enumerate() {
                 record[slot] = T::of(*value);
             }

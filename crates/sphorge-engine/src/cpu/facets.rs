@@ -693,6 +693,7 @@ impl<T: PairScalar> CpuEngine<T> {
             return;
         }
         let mut gradients = std::mem::take(&mut self.particles.evaluated_gradient);
+        let mut face_sums = self.face_sums.take();
         let (p, ghosts, list) = (&self.particles, &self.ghosts.columns, &self.lists.list);
         let sum = ReferenceSum {
             kernel: self.model.numerics.kernel,
@@ -702,25 +703,36 @@ impl<T: PairScalar> CpuEngine<T> {
             smoothing_length: WithGhosts::new(&p.smoothing_length, &ghosts.smoothing_length),
             velocity: WithGhosts::new(&p.evaluated_velocity, &ghosts.evaluated_velocity),
         };
+        let linear = |i: usize| corrected(&sum.rate(i, list.row(i)), &p.correction[i]);
+        let near_wall = |i: usize| {
+            self.facets_on_walls.as_ref().is_some_and(|of| of.is_near_any(&self.model, &self.walls.states, p, i))
+        };
+        if let Some(face_sums) = &mut face_sums {
+            let met = contacts.iter().flat_map(|contacts| contacts.foreign.blocks());
+            let met = met.flat_map(|block| block.rows().map(|(i, _)| i));
+            face_sums.evaluate(met.chain((0..p.len()).filter(|i| near_wall(*i))), linear);
+        }
         let gradient = |i: usize| {
             // What the sums of thin parts do not see across them is that of the middle of the step.
             if is_thin(&p.correction[i]) > 0.0 {
                 return p.velocity_gradient[i];
             }
-            let rate = corrected(&sum.rate(i, list.row(i)), &p.correction[i]);
+            let rate = match &face_sums {
+                None => linear(i),
+                Some(face_sums) => face_sums.evaluated_rate(i, super::dimension(&self.model)),
+            };
             multiply(&rate, &inverse(&p.deformation[i]))
         };
         if let Some(contacts) = contacts {
             let blocks = gradients.par_chunks_mut(BLOCK).zip(contacts.foreign.blocks());
             blocks.for_each(|(gradients, block)| block.rows().for_each(|(i, _)| gradients[i % BLOCK] = gradient(i)));
         }
-        if let Some(facets) = &self.facets_on_walls {
-            let (model, states) = (&*self.model, &self.walls.states);
-            let near = |i: usize| facets.is_near_any(model, states, p, i);
+        if self.facets_on_walls.is_some() {
             let all = gradients.par_iter_mut().with_min_len(BLOCK).enumerate();
-            all.filter(|(i, _)| near(*i)).for_each(|(i, own)| *own = gradient(i));
+            all.filter(|(i, _)| near_wall(*i)).for_each(|(i, own)| *own = gradient(i));
         }
         self.particles.evaluated_gradient = gradients;
+        self.face_sums = face_sums;
     }
 }
 

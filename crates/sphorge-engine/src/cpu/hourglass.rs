@@ -146,13 +146,17 @@ impl<T: PairScalar> SpringSweep<'_, T> {
 #[derive(Clone, Copy)]
 pub(super) struct SpringLaw {
     strength: f64,
+    /// How much of the misfit counts as strain.
+    counted_misfit: f64,
 }
 
 impl SpringLaw {
     /// Nothing where there are no springs.
     pub(super) fn of(model: &Model) -> Option<Self> {
         match model.formulation {
-            Formulation::TotalLagrangian { hourglass, .. } if hourglass != 0.0 => Some(Self { strength: hourglass }),
+            Formulation::TotalLagrangian { hourglass, faces, .. } if hourglass != 0.0 => {
+                Some(Self { strength: hourglass, counted_misfit: faces.counted_misfit() })
+            }
             _ => None,
         }
     }
@@ -160,7 +164,7 @@ impl SpringLaw {
     /// Springs of a particle of this flow stress (Pa) and plastic strain, with the least principal stretch at which it
     /// has yielded.
     pub(super) fn spring(self, of: &Material, yield_stress: f64, plastic_strain: f64, stretch: f64) -> Spring<f64> {
-        Spring::new(self.strength, of.young_modulus(), yield_stress, plastic_strain, stretch)
+        Spring::of_misfit(self.counted_misfit, self.strength, of.young_modulus(), yield_stress, plastic_strain, stretch)
     }
 
     /// Springs of particle `i`.
@@ -314,7 +318,10 @@ impl<T: PairScalar> CpuEngine<T> {
                 for c in 0..9 {
                     let (a, b) = (c / 3, c % 3);
                     let identity = if a == b { 1.0 } else { 0.0 };
-                    spring_record[entry::H + c] = T::of_displacement_gradient(p.deformation[i][a][b] - identity);
+                    let gradient = p.deformation[i][a][b] - identity;
+                    // Springs see the motion that the sums do not.
+                    let gradient = p.face_excess.get(i).map_or(gradient, |excess| gradient + excess[a][b]);
+                    spring_record[entry::H + c] = T::of_displacement_gradient(gradient);
                 }
                 spring_record[entry::STIFFNESS] = T::of(p.spring_stiffness[i]);
             });

@@ -53,6 +53,7 @@ pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bo
         (Owner::WallFriction, model.rubs_at_facets_of_walls()),
         (Owner::ArtificialEnergy, model.books_artificial_energy()),
         (Owner::Reference, is_initial),
+        (Owner::FaceGradients, model.formulation.is_quadratic_at_faces()),
     ];
     for (owner, _) in wanted.into_iter().filter(|(_, wanted)| *wanted) {
         particles.allocate(owner);

@@ -10,6 +10,7 @@ mod contact_search;
 mod domain;
 mod exchange;
 mod external;
+mod face_sums;
 mod faces;
 mod facets;
 mod facets_on_walls;
@@ -62,6 +63,7 @@ use crate::{Audit, Ledger, RunFailure};
 use conduction::HeatFlow;
 use contact::BodyContacts;
 use domain::Domain;
+use face_sums::FaceSums;
 use formulation::Formulation;
 use ghosts::Ghosts;
 
@@ -116,6 +118,15 @@ impl PartKind for Cpu {
         "cpu-ranks"
     }
 
+    fn supports_in_parts(&self, model: &Model) -> Result<(), Unsupported> {
+        if model.formulation.is_quadratic_at_faces() {
+            let what = "gradients that are exact for quadratic fields at faces, on several ranks".to_owned();
+            let help = "run it in one process, or leave out `search.total-lagrangian.faces`".to_owned();
+            return Err(Unsupported { what, help });
+        }
+        Ok(())
+    }
+
     fn start_part(
         &self,
         model: Arc<Model>,
@@ -164,6 +175,8 @@ struct CpuEngine<T: PairScalar> {
     step: StepState,
     /// Scratch of the density re-initialisation, kg/m³.
     restored_density: Vec<f64>,
+    /// Where gradients are exact for quadratic fields at faces.
+    face_sums: Option<FaceSums>,
     /// Whether the gradient correction of the reference configuration is known.
     reference_corrected: bool,
     /// Whether the neighbours of some particle lie in a plane or on a line there.
@@ -246,6 +259,7 @@ impl<T: PairScalar> CpuEngine<T> {
             domain,
             walls: Walls::new(&model, count),
             facets_on_walls: FacetsOnWalls::new(&model),
+            face_sums: FaceSums::of(&model),
             motions: Motions::new(&model),
             motions_at_end: Motions::new(&model),
             driven: None,
@@ -555,7 +569,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         let heat = self.heat.as_ref().map_or(0, HeatFlow::bytes);
         let ghosts = self.ghosts.halo.bytes() + self.ghosts.columns.bytes();
         let domain = self.domain.as_ref().map_or(0, Domain::bytes);
-        let ghosts = ghosts + self.inner.bytes();
+        let ghosts = ghosts + self.inner.bytes() + self.face_sums.as_ref().map_or(0, FaceSums::bytes);
         let contacts = contacts + self.facets_on_walls.as_ref().map_or(0, FacetsOnWalls::bytes);
         (self.particles.bytes() + ghosts + contacts + heat + domain + self.lists.bytes() + self.records.bytes()) as u64
     }

@@ -1,6 +1,7 @@
 //! Saved state: everything that the following steps depend on.
 
 use super::CpuEngine;
+use super::face_sums::FaceSums;
 use crate::drive::Driven;
 use crate::engine::Part;
 use crate::lanes::PairScalar;
@@ -62,6 +63,7 @@ impl<T: PairScalar> CpuEngine<T> {
         self.records.frame.persist("frame", archive)?;
         self.constants.unit = T::of(self.records.frame.unit);
         if !archive.is_saving() {
+            self.face_sums.iter_mut().for_each(FaceSums::forget);
             self.check_places("particles", "halo")?;
         }
         self.persist_lists("lists", archive)?;

@@ -11,6 +11,7 @@
 //! motion of this step would count as a misfit of springs for good.
 
 use super::CpuEngine;
+use super::face_sums::FaceSums;
 use crate::RunFailure;
 use crate::lanes::PairScalar;
 use crate::model::{EnergyState, Formulation, Material};
@@ -92,7 +93,13 @@ impl<T: PairScalar> CpuEngine<T> {
                 }
             },
         );
+        for (excess, &body) in p.face_excess.iter_mut().zip(&p.body) {
+            if is_due[body as usize] {
+                *excess = [[0.0; 3]; 3];
+            }
+        }
         self.reference_corrected = false;
+        self.face_sums.iter_mut().for_each(FaceSums::forget);
         self.lists.stale = true;
         Ok(true)
     }

@@ -27,8 +27,8 @@ pub use measure::{
     CloudExtent, CraterEdge, Extremum, FragmentQuantity, Measure, MeasureKind, ParticleSelection, Perforation,
 };
 pub use numerics::{
-    AdaptiveSearch, ArtificialStress, Formulation, GradientCorrection, Integrator, Numerics, OutputControl, Precision,
-    Search, SmoothingLength, StepControl, TemperatureSource, TimeControl,
+    AdaptiveSearch, ArtificialStress, FaceGradients, Formulation, GradientCorrection, Integrator, Numerics,
+    OutputControl, Precision, Search, SmoothingLength, StepControl, TemperatureSource, TimeControl,
 };
 pub use observed::{Section, Tracer};
 pub use parts::Parts;

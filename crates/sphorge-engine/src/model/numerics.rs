@@ -1,5 +1,6 @@
 //! Choices of the discretisation, of time and of output.
 
+use sphorge_physics::hourglass::{COUNTED_MISFIT, COUNTED_MISFIT_QUADRATIC};
 use sphorge_physics::kernel::Kernel;
 use sphorge_physics::pair::{EnergySplit, PairForm};
 use sphorge_physics::step_control::StepChange;
@@ -117,6 +118,26 @@ pub enum Search {
     Initial,
 }
 
+/// Fields for which the gradients of the total Lagrangian form are exact at the faces of bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FaceGradients {
+    /// Linear ones.
+    #[default]
+    Linear,
+    /// Quadratic ones, as inside bodies.
+    Quadratic,
+}
+
+impl FaceGradients {
+    /// How much of the misfit of hourglass springs counts as strain.
+    pub fn counted_misfit(self) -> f64 {
+        match self {
+            Self::Linear => COUNTED_MISFIT,
+            Self::Quadratic => COUNTED_MISFIT_QUADRATIC,
+        }
+    }
+}
+
 /// Which configuration the sums are taken in.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Formulation {
@@ -128,6 +149,8 @@ pub enum Formulation {
     TotalLagrangian {
         /// Strength of the hourglass control, zero for none.
         hourglass: f64,
+        /// What gradients are exact for at faces.
+        faces: FaceGradients,
         /// Principal stretch at which a body has come apart, and its present configuration becomes the one the sums are taken in;
         /// `None`: the initial one for good.
         renewal: Option<f64>,
@@ -140,6 +163,11 @@ impl Formulation {
     /// Whether reference configurations are renewed where bodies come apart.
     pub fn renews(&self) -> bool {
         matches!(self, Self::TotalLagrangian { renewal: Some(_), .. })
+    }
+
+    /// Whether gradients are exact for quadratic fields at the faces of bodies.
+    pub fn is_quadratic_at_faces(&self) -> bool {
+        matches!(self, Self::TotalLagrangian { faces: FaceGradients::Quadratic, .. })
     }
 }
 

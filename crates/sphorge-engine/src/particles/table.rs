@@ -44,6 +44,8 @@ pub enum Owner {
     Reference,
     /// Its renewal; there from the first on.
     Renewal,
+    /// Gradients that are exact for quadratic fields at faces.
+    FaceGradients,
     /// Where particles started.
     Start,
 }
@@ -366,6 +368,9 @@ columns! {
     pub(crate) contact_shift: Vector<f64> = [0.0; 3], Faces,
         Internal("m", "from the position to the point at which the contact places the particle"), Vector[Contact], None;
     pub(crate) contact_shift_rate: Vector<f64> = [0.0; 3], Faces, Internal("m/s", "its rate"), Vector[Contact], None;
+    // Springs see the deformation gradient of the sums, which is this more.
+    pub(crate) face_excess: Tensor<f64> = [[0.0; 3]; 3], FaceGradients,
+        Internal("", "what has been taken from the deformation gradient of the sums"), Tensor[Stress], None;
     pub earlier_deformation: Tensor<f64> = UNDEFORMED, Renewal,
         Internal("", "deformation gradient of the reference configuration"), Tensor[Contact], None;
     pub(crate) kept_overlap: f64 = 0.0, Renewal,

@@ -12,6 +12,11 @@ pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
             "leave `numerics.precision` out, or run it with `--engine cpu`",
         ),
         (
+            model.formulation.is_quadratic_at_faces(),
+            "gradients that are exact for quadratic fields at faces",
+            "run it with `--engine cpu`, or leave out `search.total-lagrangian.faces`",
+        ),
+        (
             model.audit.is_some() && model.has_facets(),
             "audits of neighbour lists where bodies meet at facets",
             "leave `audit` out, run it with `--engine cpu`, or let bodies meet by overlap: `contact = { penalty = { surfaces = \"overlap\" } }`",

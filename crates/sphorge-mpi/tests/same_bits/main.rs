@@ -247,6 +247,13 @@ fn too_few_particles_for_the_ranks_are_refused() {
 }
 
 #[test]
+fn quadratic_gradients_at_faces_are_refused() {
+    let faces = ("search", "{ total-lagrangian = { faces = \"quadratic\" } }");
+    let message = try_run_on_ranks(IN_THE_INITIAL_CONFIGURATION, &[faces], 2, 1).map(|files| files.len()).unwrap_err();
+    assert!(message.contains("quadratic") && message.contains("ranks"), "{message}");
+}
+
+#[test]
 fn kernel_values_of_the_start() {
     let frozen = ("search", "{ total-lagrangian = { form = \"frozen\" } }");
     let short = [("particles.spacing", "\"0.4 mm\""), ("time.end", "\"6 us\""), ("output.frames", "2"), frozen];

@@ -175,3 +175,48 @@ fn what_the_integrator_books_falls_with_the_third_power_of_the_step() {
         assert!(left.contains(&springs), "{hourglass}: {springs:.2e}");
     }
 }
+
+/// Flung off without a plane or a wall: it bends, turns and yields.
+const FLUNG: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+numerics = { precision = "double" }
+time = { end = "1 ms" }
+
+[material.metal]
+density = "7850 kg/m^3"
+young-modulus = "210 GPa"
+poisson-ratio = 0.3
+equation-of-state = "linear"
+strength = { perfectly-plastic = { yield-stress = "300 MPa" } }
+
+[[body]]
+name = "strip"
+material = "metal"
+shape = { box = { min = ["-15 mm", "-1.5 mm"], max = ["15 mm", "1.5 mm"] } }
+velocity-profile = { along = "x", amplitude = ["20 m/s", "100 m/s"], rows = [["-15 mm", 0.6], ["0 mm", -1.0], ["15 mm", 1.0]] }
+"#;
+
+#[test]
+fn quadratic_gradients_at_faces_keep_energy_momentum_and_angular_momentum_to_round_off() {
+    let space = [
+        ("dimensions", "3d"),
+        ("body.strip.shape.box.min", "[\"-9 mm\", \"-1.5 mm\", \"-2 mm\"]"),
+        ("body.strip.shape.box.max", "[\"9 mm\", \"1.5 mm\", \"2 mm\"]"),
+        ("body.strip.velocity-profile.amplitude", "[\"20 m/s\", \"100 m/s\", \"30 m/s\"]"),
+    ];
+    for further in [&[][..], &space] {
+        let quadratic = ("search", "{ total-lagrangian = { faces = \"quadratic\" } }");
+        let overrides: Vec<_> = [quadratic].into_iter().chain(further.iter().copied()).collect();
+        let mut simulation = simulation(FLUNG, &overrides);
+        simulation.next_step_estimate().unwrap();
+        let first = simulation.ledger().unwrap().total.angular_momentum;
+        let (energy, momentum) = drifts(&mut simulation, 40e-6);
+        let now = simulation.ledger().unwrap().total.angular_momentum;
+        let turned = norm([0, 1, 2].map(|a| now[a] - first[a])) / norm(first);
+        let yielded = simulation.particles().unwrap().plastic_strain.iter().fold(0.0, |m: f64, &e| m.max(e));
+        assert!(yielded > 0.02, "nothing happened: {yielded}");
+        assert!(energy < 1e-12 && momentum < 1e-12, "energy {energy:.1e}, momentum {momentum:.1e}");
+        assert!(turned < 1e-11, "{turned:.1e}");
+    }
+}

@@ -39,9 +39,13 @@ fn angle(now: &Particles, at_start: &[[f64; 3]]) -> f64 {
     (far[1] - near[1]).atan2(far[0] - near[0])
 }
 
+const LINEAR: (&str, &str) = ("search", "total-lagrangian");
+const QUADRATIC: (&str, &str) = ("search", "{ total-lagrangian = { faces = \"quadratic\" } }");
+
 /// The final angle with so many layers, over the right one.
-fn bent(layers: u32) -> f64 {
-    let mut simulation = simulation(STRIP, &[("particles.spacing", &format!("\"{} mm\"", 3.0 / f64::from(layers)))]);
+fn bent(layers: u32, faces: (&str, &str)) -> f64 {
+    let mut simulation =
+        simulation(STRIP, &[("particles.spacing", &format!("\"{} mm\"", 3.0 / f64::from(layers))), faces]);
     let at_start = {
         let p = simulation.particles().unwrap();
         by_id(&p).into_iter().map(|i| p.position[i]).collect::<Vec<_>>()
@@ -58,7 +62,15 @@ fn bent(layers: u32) -> f64 {
 #[test]
 fn hinges_of_six_and_eight_layers_bend_as_far_as_finite_elements() {
     for (layers, bound) in [(6, 0.02), (8, 0.015)] {
-        let bent = bent(layers);
+        let bent = bent(layers, LINEAR);
+        assert!((bent - 1.0).abs() < bound, "{layers} layers: {bent}");
+    }
+}
+
+#[test]
+fn hinges_with_quadratic_gradients_at_faces_bend_as_far_as_finite_elements() {
+    for (layers, bound) in [(3, 0.02), (4, 0.045), (6, 0.02)] {
+        let bent = bent(layers, QUADRATIC);
         assert!((bent - 1.0).abs() < bound, "{layers} layers: {bent}");
     }
 }
@@ -67,7 +79,7 @@ fn hinges_of_six_and_eight_layers_bend_as_far_as_finite_elements() {
 #[test]
 fn hinges_of_three_and_four_layers_bend_a_third_too_far_and_a_fifth_too_little() {
     for (layers, measured) in [(3, 1.33), (4, 0.81)] {
-        let bent = bent(layers);
+        let bent = bent(layers, LINEAR);
         assert!((bent - measured).abs() < 0.02, "{layers} layers: {bent}");
     }
 }
@@ -77,8 +89,20 @@ fn hinges_of_three_and_four_layers_bend_a_third_too_far_and_a_fifth_too_little()
 /// 0.475 `k h`. Metal that yields cannot follow it.
 #[test]
 fn the_outermost_layer_of_a_bent_strip_sees_a_change_of_volume() {
+    see_bending(LINEAR, [(0.0, 0.0), (0.0, 0.0173), (0.2278, 0.4747)]);
+}
+
+/// What is left is that of the second layer, which is not taken for a face.
+#[test]
+fn with_quadratic_gradients_at_faces_it_sees_none() {
+    see_bending(QUADRATIC, [(0.0, 0.0), (0.0, 0.0173), (0.0, 0.0)]);
+}
+
+/// What the layers, from the middle outwards, see less of the strain along the strip than there is, and of its volume, over `k h`.
+fn see_bending(faces: (&str, &str), expected: [(f64, f64); 3]) {
     let (layers, curvature, h) = (6u32, 1e3, 0.5e-3);
     let fixed = [
+        faces,
         ("numerics", "{ precision = \"double\", viscosity = false }"),
         ("time", "{ end = \"1 s\", fixed-step = \"0.001 ns\" }"),
     ];
@@ -94,7 +118,7 @@ fn the_outermost_layer_of_a_bent_strip_sees_a_change_of_volume() {
         let (y, l) = (p.position[i][1], &p.velocity_gradient[i]);
         let layer = ((y.abs() / h + 0.5).round() as u32).min(layers / 2);
         let (seen, volume) = (-l[0][0] / curvature, (l[0][0] + l[1][1]) / curvature);
-        let (lost, false_volume) = [(0.0, 0.0), (0.0, 0.0173), (0.2278, 0.4747)][layer as usize - 1];
+        let (lost, false_volume) = expected[layer as usize - 1];
         assert!((seen - y.signum() * (y.abs() - lost * h)).abs() < 1e-3 * h, "{y}: {seen}");
         assert!((volume + y.signum() * false_volume * h).abs() < 1e-3 * h, "{y}: {volume}");
     }

@@ -18,6 +18,11 @@ fn threads_do_not_change_a_bit() {
     // Enough searches for the particles to be sorted anew.
     for overrides in [
         [("numerics.precision", "mixed"), ("search", "every-step"), ("numerics.integrator", "leapfrog")],
+        [
+            ("numerics.precision", "mixed"),
+            ("method", "total-lagrangian"),
+            ("search", "{ total-lagrangian = { faces = \"quadratic\" } }"),
+        ],
         [("numerics.precision", "mixed"), ("search", "skin"), ("numerics.integrator", "predictor-corrector")],
     ] {
         let (one, two) = (on_threads(1, &overrides, 150), on_threads(2, &overrides, 150));

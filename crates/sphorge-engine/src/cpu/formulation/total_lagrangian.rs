@@ -27,6 +27,11 @@ use sphorge_physics::{Dimension, SymmetricTensor, Tensor, tensor};
 
 pub(super) struct TotalLagrangian;
 
+/// What the deformation of a block changes: velocity gradients, densities, deformation gradients, smallest stretches, those at which it has
+/// yielded, and the `mu` of the viscosity.
+type Deformed<'a> =
+    (&'a mut [Tensor<f64>], &'a mut [f64], &'a mut [Tensor<f64>], &'a mut [f64], &'a mut [f64], &'a mut [f64]);
+
 impl<T: PairScalar> Formulation<T> for TotalLagrangian {
     fn is_corrected(&self, _: &Model) -> bool {
         true
@@ -82,6 +87,7 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
             correct_reference(engine);
             engine.reference_corrected = true;
         }
+        engine.know_faces();
         let dimension = crate::cpu::dimension(&engine.model);
         let (dt, instructions) = (engine.step.dt, engine.instructions);
         let sweep =
@@ -104,6 +110,7 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
             deviator,
             pressure,
             sound_speed,
+            face_excess,
             ..
         } = &mut engine.particles;
         let inner = &engine.inner;
@@ -113,25 +120,13 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
         let state = (&*material, &*deviator, &*pressure, &*sound_speed);
         let (history, deletes) = (&*history, materials.iter().any(Material::deletes));
         let has_brittle = materials.iter().any(Material::is_brittle);
-        (
-            velocity_gradient.par_chunks_mut(BLOCK),
-            neighbors.par_chunks_mut(BLOCK),
-            density.par_chunks_mut(BLOCK),
-            deformation.par_chunks_mut(BLOCK),
-            stretch.par_chunks_mut(BLOCK),
-            yielded_stretch.par_chunks_mut(BLOCK),
-            mu.par_chunks_mut(BLOCK),
-        )
-            .into_par_iter()
-            .enumerate()
-            .filter(|(b, _)| inner.is_summed_in(*b, rows))
-            .for_each(|(b, (l, n, rho, f, stretch, yielded, mu))| {
-                let mut sums = [GradientSum::zero(); BLOCK];
-                sweep.block(b, false, &mut sums);
+        // Deforms a block with these sums; `taken` is what those at faces have less than the plain ones.
+        let deform_block =
+            |b: usize, columns: Deformed<'_>, sums: &mut [Tensor<f64>; BLOCK], taken: &mut [Tensor<f64>]| {
+                let (l, rho, f, stretch, yielded, mu) = columns;
                 for k in 0..l.len() {
                     let i = b * BLOCK + k;
-                    let sum = sums[k].gradient.map(|row| row.map(|v| v.to_f64()));
-                    let mut rate = corrected(&sum, &correction[i]);
+                    let mut rate = sums[k];
                     if has_thin_parts && is_thin(&correction[i]) > 0.0 {
                         let (material, deviator, pressure, sound_speed) = state;
                         let across = Across {
@@ -145,6 +140,7 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
                         // What is deleted keeps its deformation and has no springs: nothing resists what its neighbours do, and it must
                         // not limit the step.
                         (rate, yielded[k]) = (tensor::zero(), 0.0);
+                        taken.iter_mut().skip(k).take(1).for_each(|taken| *taken = tensor::zero());
                     }
                     if has_brittle && materials[material[i] as usize].is_brittle() {
                         // Springs have the root of it.
@@ -152,7 +148,6 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
                     }
                     l[k] = deform(&mut f[k], &rate, dt);
                     rho[k] = density_of(mass[i], volume[i], &f[k]);
-                    n[k] = sums[k].inside;
                 }
                 run(instructions, SmallestStretches { deformation: f, stretch });
                 for k in 0..l.len() {
@@ -161,7 +156,72 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
                     }
                     mu[k] = bulk_mu(&l[k], h[b * BLOCK + k] * stretch[k]);
                 }
-            });
+            };
+        let blocks = (
+            (
+                velocity_gradient.par_chunks_mut(BLOCK),
+                density.par_chunks_mut(BLOCK),
+                deformation.par_chunks_mut(BLOCK),
+                stretch.par_chunks_mut(BLOCK),
+                yielded_stretch.par_chunks_mut(BLOCK),
+                mu.par_chunks_mut(BLOCK),
+            )
+                .into_par_iter(),
+            neighbors.par_chunks_mut(BLOCK),
+        )
+            .into_par_iter()
+            .enumerate();
+        let sum_block = |b: usize, n: &mut [u32]| {
+            let mut sums = [GradientSum::zero(); BLOCK];
+            let mut rates = [tensor::zero(); BLOCK];
+            sweep.block(b, false, &mut sums);
+            for k in 0..n.len() {
+                let sum = sums[k].gradient.map(|row| row.map(|v| v.to_f64()));
+                rates[k] = corrected(&sum, &correction[b * BLOCK + k]);
+                n[k] = sums[k].inside;
+            }
+            rates
+        };
+        match &mut engine.face_sums {
+            None => blocks.filter(|(b, _)| inner.is_summed_in(*b, rows)).for_each(|(b, (columns, n))| {
+                let mut rates = sum_block(b, n);
+                deform_block(b, columns, &mut rates, &mut []);
+            }),
+            Some(face_sums) => {
+                blocks.zip(face_sums.linear_chunks()).filter(|((b, _), _)| inner.is_summed_in(*b, rows)).for_each(
+                    |((b, (columns, n)), (is_near, waits, linear))| {
+                        let mut rates = sum_block(b, n);
+                        if *is_near {
+                            linear.copy_from_slice(&rates[..linear.len()]);
+                        }
+                        if !waits {
+                            deform_block(b, columns, &mut rates, &mut []);
+                        }
+                    },
+                );
+                if rows.is_last() {
+                    face_sums.find_excess(instructions, dimension);
+                    let face_sums = &*face_sums;
+                    let columns = (
+                        velocity_gradient.par_chunks_mut(BLOCK),
+                        density.par_chunks_mut(BLOCK),
+                        deformation.par_chunks_mut(BLOCK),
+                        stretch.par_chunks_mut(BLOCK),
+                        yielded_stretch.par_chunks_mut(BLOCK),
+                        mu.par_chunks_mut(BLOCK),
+                    );
+                    let blocks = columns.into_par_iter().zip(face_excess.par_chunks_mut(BLOCK)).enumerate();
+                    blocks.filter(|(b, _)| face_sums.waits(*b)).for_each(|(b, (columns, excess))| {
+                        let (mut rates, mut taken) = ([tensor::zero(); BLOCK], [tensor::zero(); BLOCK]);
+                        face_sums.rates(b, &mut rates, &mut taken);
+                        deform_block(b, columns, &mut rates, &mut taken);
+                        for (excess, taken) in excess.iter_mut().zip(&taken) {
+                            *excess = tensor::plus(excess, dt, taken);
+                        }
+                    });
+                }
+            }
+        }
         if rows.is_last() {
             engine.count_pairs();
         }
@@ -188,6 +248,9 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
 
     fn add_forces(&self, engine: &mut CpuEngine<T>, rows: Rows) {
         engine.resist_hourglass(rows);
+        if let (true, Some(sums)) = (rows.is_last(), &engine.face_sums) {
+            sums.share_power(&mut engine.particles.energy_rate);
+        }
     }
 }
 

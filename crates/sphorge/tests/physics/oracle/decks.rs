@@ -40,6 +40,8 @@ const SHEARED: (&str, &str) = ("body.block.velocity-profile.amplitude", r#"["800
 const SHEARED_FAST: (&str, &str) = ("body.block.velocity-profile.amplitude", r#"["2400 m/s", "0 m/s"]"#);
 const MELTED: (&str, &str) = ("body.block.temperature", "1900 K");
 const HYPERELASTIC: (&str, &str) = ("material.iron.strength", "neo-hookean");
+const QUADRATIC: (&str, &str) = ("search", "{ total-lagrangian = { faces = \"quadratic\" } }");
+const QUADRATIC_RENEWED: (&str, &str) = ("search", "{ total-lagrangian = { faces = \"quadratic\", renewal = 1.1 } }");
 const RENEWED: (&str, &str) = ("search", "{ total-lagrangian = { renewal = 1.1 } }");
 
 /// Two blocks that strike each other off centre: the kernel sums.
@@ -646,6 +648,21 @@ pub(super) const ROD: &[Case] = &[
     case("total lagrangian, renewed, walls", WALLS, &[RENEWED], 40),
     case("total lagrangian, renewed on a wall again and again", TUMBLING, &[], 45),
     case("total lagrangian, renewed, periodic", CELL, &[RENEWED, SHEARED], 60),
+];
+
+/// Gradients that are exact for quadratic fields at faces: free ones, with symmetry planes and periodic ends, where bodies and walls push,
+/// where material is deleted, after a renewal, and of thin bodies.
+pub(super) const FACES: &[Case] = &[
+    case("faces", CORNERED, &[QUADRATIC], 40),
+    case("faces in space", CUBES, &[QUADRATIC], 20),
+    case("faces, contact", SLIDING, &[QUADRATIC], 40),
+    case("faces, temperature of energy", HEATED, &[QUADRATIC, PENALTY, OF_ENERGY], 30),
+    case("faces, a body that meets itself", FOLDED, &[QUADRATIC, AT_FACETS], 35),
+    case("faces, periodic", CELL, &[QUADRATIC], 40),
+    case("faces, walls and motion", WALLS, &[QUADRATIC], 30),
+    case("faces, deleted", TORN, &[QUADRATIC, STRAIN, DELETED, OF_ENERGY], 40),
+    case("faces, renewed", WALLS, &[QUADRATIC_RENEWED], 40),
+    case("faces of a layer", LAYER, &[QUADRATIC], 40),
 ];
 
 /// A cell that is renewed because it has melted. What yields at no stress at all yields by rounding, so the last digits are lost.

@@ -7,7 +7,7 @@ mod decks;
 
 use super::setup::COLLISION;
 use decks::{
-    BARS, BLOCKS, CORNER, Case, DAMAGED, LINE, LIQUID, OVEN, PRESS, PRESSED, ROD, SEARCHED, SPACE, SPALLED, THIN,
+    BARS, BLOCKS, CORNER, Case, DAMAGED, FACES, LINE, LIQUID, OVEN, PRESS, PRESSED, ROD, SEARCHED, SPACE, SPALLED, THIN,
 };
 use sphorge::deck;
 use sphorge::engine::{
@@ -244,6 +244,11 @@ fn oracle_and_engine_agree_on_damage_to_rounding() {
 fn oracle_and_engine_agree_on_initial_configurations_to_rounding() {
     check([PRESSED, ROD, THIN].into_iter().flatten(), &[], ROUNDING);
     check(LIQUID, &[], EDGE);
+}
+
+#[test]
+fn oracle_and_engine_agree_on_faces_to_rounding() {
+    check(FACES, &[], ROUNDING);
 }
 
 #[test]

@@ -147,6 +147,23 @@ fn a_strike_in_space_resumes() {
 }
 
 #[test]
+fn gradients_at_faces_resume() {
+    let of = |deck: &'static str, faces: &str, renewal: f64| {
+        let search = format!("{{ total-lagrangian = {{ faces = \"{faces}\", renewal = {renewal} }} }}");
+        move || start(deck, &search, &[])
+    };
+    resumes("faces", of(STRIKE, "quadratic", 0.0), &[3, 40], 80);
+    resumes("faces, renewed", of(STRIKE, "quadratic", 1.1), &[40, 110], 150);
+    resumes("faces in space", of(IN_SPACE, "quadratic", 0.0), &[14], 30);
+    let end = |faces: &str| {
+        let mut simulation = of(STRIKE, faces, 0.0)();
+        run_steps(&mut simulation, 80);
+        simulation.particles().unwrap().position.clone()
+    };
+    assert_ne!(end("quadratic"), end("linear"), "there were no faces");
+}
+
+#[test]
 fn a_body_whose_reference_is_renewed_resumes() {
     let end = |renewal: &str| {
         let search = format!("{{ total-lagrangian = {{ renewal = {renewal} }} }}");
