@@ -490,7 +490,7 @@ fn quadratic_gradients_at_faces_are_refused() {
     let deck = decks::find("iron-plate").unwrap();
     let faces = ("search.total-lagrangian.faces".to_owned(), "\"quadratic\"".to_owned());
     let setup = load_text(deck.name, deck.text, &[faces]).unwrap();
-    let refusal = Gpu::default().supports(&setup.model).unwrap_err();
+    let refusal = gpu().supports(&setup.model).unwrap_err();
     assert!(refusal.what.contains("quadratic") && refusal.help.contains("--engine cpu"), "{refusal:?}");
 }
 

@@ -363,8 +363,8 @@ pub(super) fn laws() -> Vec<Law> {
             all
         }
     );
-    law!(laws, "contact of facets", facets::RANGES, 114, |x: &[T]| facets::pair(x));
-    law!(laws, "friction of facets", facets::RANGES, 73, |x: &[T]| facets::slip(x));
+    law!(laws, "contact of facets", facets::RANGES, 86, |x: &[T]| facets::pair(x));
+    law!(laws, "friction of facets", facets::RANGES, 64, |x: &[T]| facets::slip(x));
     law!(
         laws,
         "heat, XSPH and time step",
