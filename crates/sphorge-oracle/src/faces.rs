@@ -27,13 +27,16 @@ pub(crate) struct Faces {
     pub(crate) power: Vec<f64>,
 }
 
+/// A neighbour, as an image, its `X_j - X_i` (m), its slope (1/m) and its distance over the smoothing length.
+type Slope = (usize, Image, Vector<f64>, Vector<f64>, f64);
+
 impl Oracle {
     /// Finds the faces in the configuration of the sums.
     pub(crate) fn find_faces_of_sums(&mut self, at: &[Vector<f64>]) {
         if !self.model.formulation.is_quadratic_at_faces() {
             return;
         }
-        let slopes = |i: usize| -> Vec<(usize, Image, Vector<f64>, Vector<f64>, f64)> {
+        let slopes = |i: usize| -> Vec<Slope> {
             let of = self.pairs(i, at).filter(|n| n.r < self.model.numerics.kernel.support() * n.h);
             of.map(|n| {
                 let slope = super::pairs::apply(&self.correction[i], n.x.map(|x| self.initial_volume[n.j] * n.f * x));
