@@ -220,13 +220,15 @@ impl Search {
             ends.sort_by(f64::total_cmp);
             let gap =
                 ends.windows(2).max_by(|a, b| (a[1] - a[0]).partial_cmp(&(b[1] - b[0])).unwrap_or(Ordering::Equal));
-            return gap.and_then(|gap| self.new(shots, (gap[0], gap[1]), [0.5 * (gap[0] + gap[1])])).ok_or(End::Open);
+            return gap
+                .and_then(|gap| self.untried(shots, (gap[0], gap[1]), [0.5 * (gap[0] + gap[1])]))
+                .ok_or(End::Open);
         }
         let count = self.count(bracket.width());
         let even = |k: usize| low + bracket.width() * k as f64 / (count + 1) as f64;
         let speeds = match count {
-            1 => self.new(shots, (low, high), [self.guess(shots, bracket).unwrap_or(bracket.middle())]),
-            _ => self.new(shots, (low, high), (1..=count).map(even)),
+            1 => self.untried(shots, (low, high), [self.guess(shots, bracket).unwrap_or(bracket.middle())]),
+            _ => self.untried(shots, (low, high), (1..=count).map(even)),
         };
         speeds.ok_or(End::Open)
     }
@@ -243,7 +245,12 @@ impl Search {
     }
 
     /// Speeds in a gap as short as they may be, of which there are no runs; none if there is no other number.
-    fn new(&self, shots: &[Shot], (low, high): (f64, f64), speeds: impl IntoIterator<Item = f64>) -> Option<Vec<f64>> {
+    fn untried(
+        &self,
+        shots: &[Shot],
+        (low, high): (f64, f64),
+        speeds: impl IntoIterator<Item = f64>,
+    ) -> Option<Vec<f64>> {
         let is_new = |speed: &f64| low < *speed && *speed < high && shots.iter().all(|shot| shot.speed != *speed);
         let rounded = |speed: f64| Some(self.round(speed)).filter(is_new).or(Some(speed).filter(is_new));
         let mut speeds: Vec<f64> = speeds.into_iter().filter_map(rounded).collect();
@@ -274,7 +281,7 @@ impl Search {
             return None;
         }
         let count = self.count(high - low);
-        self.new(shots, (low, high), (1..=count).map(|k| low + (high - low) * k as f64 / (count + 1) as f64))
+        self.untried(shots, (low, high), (1..=count).map(|k| low + (high - low) * k as f64 / (count + 1) as f64))
     }
 
     /// A speed beside the limit of the curve, so that the next two runs may close the bracket. Every third run halves it whatever the curve says.
