@@ -88,8 +88,8 @@ fn pieces_of_a_torn_strip_are_listed() {
     // Frames without the deformation, and without the body, which is the only one.
     let run = ["run", "torn.toml", "-o", "lean", "--set", "output.fields=[\"velocity\",\"integrity\"]"];
     place.run(&run).expect_code(0);
-    let lean =
-        place.run(&["fragments", "lean", "--json"]).expect_code(0).expect_told(&["no field `deformation_gradient`"]);
+    let lean = place.run(&["fragments", "lean", "--json"]).expect_code(0);
+    lean.expect_told(&["no field `deformation_gradient`"]);
     let lean: serde_json::Value = serde_json::from_str(&lean.out).unwrap();
     assert!(lean[0]["notes"].as_array().unwrap().len() == 1 && lean[0]["mass_unit"] == "kg/m", "{lean}");
     // Frames without what is needed say what to do.
