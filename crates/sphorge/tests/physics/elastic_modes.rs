@@ -13,12 +13,8 @@ const POISSON: f64 = 0.3;
 /// Displacement of a particle, m: a step of a nanosecond at 1 m/s.
 const SHIFT: f64 = 1e-9;
 
-fn body(dimensions: &str, shape: &str, planes: &[&str], strength: f64) -> String {
-    body_with("linear", dimensions, shape, planes, strength)
-}
-
-/// With these gradients at faces.
-fn body_with(faces: &str, dimensions: &str, shape: &str, planes: &[&str], strength: f64) -> String {
+/// An elastic body with these gradients at faces.
+fn body(faces: &str, dimensions: &str, shape: &str, planes: &[&str], strength: f64) -> String {
     let planes: String = planes.iter().map(|axis| format!("[[symmetry]]\naxis = \"{axis}\"\n")).collect();
     format!(
         r#"
@@ -163,7 +159,7 @@ fn the_stiffness_is_symmetric_and_no_mode_grows_with_quadratic_gradients_at_face
 fn no_mode_grows(faces: &str, strengths: &[f64]) {
     for (dimensions, shape, planes, rigid) in BODIES {
         for &strength in strengths {
-            let operator = operator(&body_with(faces, dimensions, shape, planes, strength));
+            let operator = operator(&body(faces, dimensions, shape, planes, strength));
             let (largest, asymmetry) = (operator.largest(), operator.asymmetry());
             assert!(asymmetry < 1e-7 * largest, "{shape}, {strength}: {:.1e} asymmetric", asymmetry / largest);
             let values = operator.eigenvalues();
@@ -230,7 +226,7 @@ fn strips_bend_as_fast_as_beams() {
             length / 2,
             0.5 * f64::from(layers)
         );
-        let values = operator(&body_with(faces, "plane-strain", &shape, &["x"], strength)).eigenvalues();
+        let values = operator(&body(faces, "plane-strain", &shape, &["x"], strength)).eigenvalues();
         let most = values[values.len() - 1];
         let lowest = values.into_iter().find(|value| *value > 1e-6 * most).unwrap().sqrt();
         let beam = timoshenko(f64::from(length) * SPACING, thickness);
@@ -263,7 +259,7 @@ fn nor_has_one_with_quadratic_gradients_at_faces() {
 /// The springs hold at least this share of the energy at some time.
 fn no_energy_comes(faces: &str, strength: f64, share: f64) {
     for (dimensions, shape, along) in FREE {
-        let deck = body_with(faces, dimensions, shape, &[], strength)
+        let deck = body(faces, dimensions, shape, &[], strength)
             .replace("fixed-step = \"1 ns\"", "courant = 0.1")
             .replace("double", "mixed");
         let mut setup = deck::load_text("test", &deck, &[]).unwrap_or_else(|report| panic!("{report:?}"));
