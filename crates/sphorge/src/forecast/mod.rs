@@ -6,7 +6,7 @@ use crate::{
     geometry::FilledMass,
     model::{Body, Dimensions, Model},
     observed::Observed,
-    output::{mass_unit, uncompressed_bytes},
+    output::uncompressed_bytes,
     run::repeat::Repeater,
 };
 use std::{sync::Arc, time::Instant};
@@ -80,7 +80,11 @@ impl Forecast {
 
     /// Unit of the masses.
     pub fn mass_unit(&self) -> &'static str {
-        mass_unit(self.dimensions.count())
+        match self.dimensions {
+            Dimensions::One => "kg/m^2",
+            Dimensions::PlaneStrain => "kg/m",
+            Dimensions::Three => "kg",
+        }
     }
 }
 
