@@ -60,7 +60,7 @@ fn stated_defaults_are_the_real_ones() {
     let spelled = stated("search.skin");
     assert_eq!(spelled.len(), 1);
     assert_eq!(model(EVERYTHING, &spelled), model(EVERYTHING, &[on]));
-    for (strategy, count) in [("adaptive", 4), ("total-lagrangian", 4)] {
+    for (strategy, count) in [("adaptive", 4), ("total-lagrangian", 5)] {
         let on = ("search".to_owned(), strategy.to_owned());
         let spelled = stated(&format!("search.{strategy}"));
         assert_eq!(spelled.len(), count);

@@ -248,8 +248,7 @@ fn oracle_and_engine_agree_on_initial_configurations_to_rounding() {
 
 #[test]
 fn oracle_and_engine_agree_on_faces_to_rounding() {
-    // The fits of second gradients are inverted, which enlarges rounding: 1.8e-10 was seen beside walls and motion.
-    check(FACES, &[], 10.0 * ROUNDING);
+    check(FACES, &[], ROUNDING);
 }
 
 #[test]
