@@ -234,7 +234,13 @@ impl FaceSums {
     pub(super) fn bytes(&self) -> usize {
         size_of::<Term>() * (self.terms.capacity() + self.near_terms.capacity())
             + size_of::<ThirdOrder>() * (self.contraction.capacity() + self.spread.capacity())
-            + size_of::<Tensor<f64>>() * (self.linear.capacity() + self.excess.capacity())
+            + size_of::<Tensor<f64>>()
+                * (self.linear.capacity()
+                    + self.evaluated.capacity()
+                    + self.excess.capacity()
+                    + self.stresses.capacity()
+                    + self.shared.capacity())
+            + size_of::<Vector<f64>>() * self.whole.capacity()
     }
 }
 

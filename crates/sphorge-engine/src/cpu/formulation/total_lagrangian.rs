@@ -32,6 +32,14 @@ pub(super) struct TotalLagrangian;
 type Deformed<'a> =
     (&'a mut [Tensor<f64>], &'a mut [f64], &'a mut [Tensor<f64>], &'a mut [f64], &'a mut [f64], &'a mut [f64]);
 
+/// The same of all particles, block by block.
+fn in_blocks<'a>((l, rho, f, stretch, yielded, mu): Deformed<'a>) -> impl IndexedParallelIterator<Item = Deformed<'a>> {
+    let tensors = (l.par_chunks_mut(BLOCK), f.par_chunks_mut(BLOCK));
+    let numbers = (stretch.par_chunks_mut(BLOCK), yielded.par_chunks_mut(BLOCK), mu.par_chunks_mut(BLOCK));
+    let all = (tensors.into_par_iter(), rho.par_chunks_mut(BLOCK), numbers.into_par_iter()).into_par_iter();
+    all.map(|((l, f), rho, (stretch, yielded, mu))| (l, rho, f, stretch, yielded, mu))
+}
+
 impl<T: PairScalar> Formulation<T> for TotalLagrangian {
     fn is_corrected(&self, _: &Model) -> bool {
         true
@@ -157,20 +165,6 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
                     mu[k] = bulk_mu(&l[k], h[b * BLOCK + k] * stretch[k]);
                 }
             };
-        let blocks = (
-            (
-                velocity_gradient.par_chunks_mut(BLOCK),
-                density.par_chunks_mut(BLOCK),
-                deformation.par_chunks_mut(BLOCK),
-                stretch.par_chunks_mut(BLOCK),
-                yielded_stretch.par_chunks_mut(BLOCK),
-                mu.par_chunks_mut(BLOCK),
-            )
-                .into_par_iter(),
-            neighbors.par_chunks_mut(BLOCK),
-        )
-            .into_par_iter()
-            .enumerate();
         let sum_block = |b: usize, n: &mut [u32]| {
             let mut sums = [GradientSum::zero(); BLOCK];
             let mut rates = [tensor::zero(); BLOCK];
@@ -182,6 +176,9 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
             }
             rates
         };
+        let (l, rho, f, yielded) = (velocity_gradient, density, deformation, yielded_stretch);
+        let blocks = in_blocks((&mut *l, &mut *rho, &mut *f, &mut *stretch, &mut *yielded, &mut *mu));
+        let blocks = blocks.zip(neighbors.par_chunks_mut(BLOCK)).enumerate();
         match &mut engine.face_sums {
             None => blocks.filter(|(b, _)| inner.is_summed_in(*b, rows)).for_each(|(b, (columns, n))| {
                 let mut rates = sum_block(b, n);
@@ -202,15 +199,8 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
                 if rows.is_last() {
                     face_sums.find_excess(instructions, dimension);
                     let face_sums = &*face_sums;
-                    let columns = (
-                        velocity_gradient.par_chunks_mut(BLOCK),
-                        density.par_chunks_mut(BLOCK),
-                        deformation.par_chunks_mut(BLOCK),
-                        stretch.par_chunks_mut(BLOCK),
-                        yielded_stretch.par_chunks_mut(BLOCK),
-                        mu.par_chunks_mut(BLOCK),
-                    );
-                    let blocks = columns.into_par_iter().zip(face_excess.par_chunks_mut(BLOCK)).enumerate();
+                    let columns = in_blocks((l, rho, f, stretch, yielded, mu));
+                    let blocks = columns.zip(face_excess.par_chunks_mut(BLOCK)).enumerate();
                     blocks.filter(|(b, _)| face_sums.waits(*b)).for_each(|(b, (columns, excess))| {
                         let (mut rates, mut taken) = ([tensor::zero(); BLOCK], [tensor::zero(); BLOCK]);
                         face_sums.rates(b, &mut rates, &mut taken);
