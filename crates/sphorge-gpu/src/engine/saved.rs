@@ -102,9 +102,11 @@ impl GpuEngine {
         for group in groups {
             let Some(array) = self.columns.array(group) else { continue };
             let lost = |fault: RunFailure| ArchiveError::Unsupported(fault.to_string());
-            // Entries behind the particles do not change.
+            // Entries behind the particles do not change. The lists of a state that is replaced have lengths that the
+            // loaded ones need not have: a step that is repeated may be the first one, before any list.
             let mut numbers = match group {
-                Group::Kept => self.columns_of(&self.list_entries().map_err(lost)?),
+                Group::Kept if archive.is_saving() => self.columns_of(&self.list_entries().map_err(lost)?),
+                Group::Kept => self.columns_of(&Vec::new()),
                 _ => read(&self.card, &self.columns, group).map_err(lost)?,
             };
             for (k, column) in numbers.chunks_exact_mut(stride).enumerate() {

@@ -420,12 +420,15 @@ pub(super) fn conserves_and_repeats_text(name: &str, text: &str, overrides: &[(&
     repeats_and_conserves_to(2e-8, name, text, overrides, half);
 }
 
-/// Runs to twice a time (s), from half of it again from a saved state; and the drift that rounding may leave.
+/// Runs to twice a time (s), from half of it again from a saved state, and from the start after going back to it; and the
+/// drift that rounding may leave.
 pub(super) fn repeats_and_conserves_to(rounding: f64, name: &str, text: &str, overrides: &[(&str, &str)], half: f64) {
     let kind = gpu();
     let end = 2.0 * half;
     let [mut first, mut second] = [(); 2].map(|()| start_text(&kind, name, text, overrides));
     let start_of = first.ledger().unwrap();
+    let mut before = MemoryArchive::new();
+    second.persist(&mut before).unwrap();
     let (between, _) = run(&mut first, half);
     run(&mut second, half);
     let mut archive = MemoryArchive::new();
@@ -440,6 +443,9 @@ pub(super) fn repeats_and_conserves_to(rounding: f64, name: &str, text: &str, ov
         assert_eq!((&again.plastic_strain, &again.deviator), (&whole.plastic_strain, &whole.deviator));
     }
     assert_ne!(between.position, whole.position);
+    third.persist(&mut before.to_load()).unwrap();
+    let (repeated, _) = run(&mut third, half);
+    assert_eq!((&repeated.position, &repeated.energy), (&between.position, &between.energy));
     let (drift, momentum) = drifts(&first, &start_of);
     assert!(drift.abs() < rounding, "{drift:e}");
     assert!(momentum < rounding, "{momentum:e}");
