@@ -71,6 +71,13 @@ impl Conservation {
         self.last
     }
 
+    /// Measures drifts against no less than these amounts (J, kg m/s): those of rounding are not the drift of a body at
+    /// rest.
+    pub(super) fn set_floor(&mut self, energy: f64, momentum: f64) {
+        self.energy_scale = self.energy_scale.max(energy);
+        self.momentum_scale = self.momentum_scale.max(momentum);
+    }
+
     /// The last drift, of amounts (J, kg m/s) larger than what counts as nothing.
     pub(super) fn drift_beyond(&self, energy: f64, momentum: f64) -> Drift {
         let beyond =
@@ -159,6 +166,18 @@ mod tests {
         let mut conservation = Conservation::new([false, true, false]);
         conservation.sample(&ledger(50.0, 0.0, 0.0, 5.0, 0.0, 5.0));
         assert_eq!(conservation.sample(&ledger(50.0, 0.0, 0.0, -5.0, 0.0, 5.0)).momentum, 0.0);
+    }
+
+    #[test]
+    fn rounding_of_a_body_at_rest_is_no_drift() {
+        let mut conservation = Conservation::default();
+        conservation.sample(&ledger(0.0, 0.0, 0.0, 0.0, 0.0, 0.0));
+        conservation.set_floor(1e-18, 1e-12);
+        let drift = conservation.sample(&ledger(2e-24, 1e-24, 0.0, 1e-20, 0.0, 3e-20));
+        assert_eq!(drift, Drift { energy: (2e-24 + 1e-24) / 1e-18, momentum: 1e-20 / 1e-12 });
+        // Motion is measured against itself.
+        let drift = conservation.sample(&ledger(1.0, 0.0, 0.5, 2.0, 1.0, 4.0));
+        assert_eq!(drift, Drift { energy: 0.5, momentum: 0.25 });
     }
 
     #[test]

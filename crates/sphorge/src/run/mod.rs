@@ -6,9 +6,10 @@
 //!
 //! - **Energy drift**: `(E - E0 - W) / scale`, with `E` kinetic plus internal energy and what contacts hold, `E0` its initial value, `W` the
 //!   external work and the heat through boundaries since then. `scale` is the largest so far of `|E0|`, the kinetic energy, the external
-//!   work and the heat exchanged: the initial total wherever there is one, and for a body at rest the work done on it. If all are zero, any change counts as 1.
+//!   work and the heat exchanged: the initial total wherever there is one, and for a body at rest the work done on it; and no less than
+//!   `m (1e-12 c)^2` with the sound speed `c`, which is rounding.
 //! - **Momentum drift**: `|P - P0 - J| / scale`, with `P` the linear momentum, `J` the external impulse since the first row and `scale`
-//!   the largest sum of `m |v|` so far. Axes across which a plane of symmetry stands are left out: the plane takes momentum.
+//!   the largest sum of `m |v|` so far, no less than `1e-12 m c`. Axes across which a plane of symmetry stands are left out: the plane takes momentum.
 //! - **Kinetic stop**: `stop-kinetic-fraction` is tested in every row of the history, against the first row.
 //! - **Searched fraction**: mean over the steps.
 //! - **Warnings**: what the checks of `docs/warnings.md` found; a run that reaches its end with one is `completed with warnings`.

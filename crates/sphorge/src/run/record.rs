@@ -344,6 +344,8 @@ impl Recorder {
         }
         let drift = self.conservation.sample(ledger);
         self.watch.look(source, model, clock, (ledger, &self.conservation), false)?;
+        let [energy, momentum] = self.watch.rounding();
+        self.conservation.set_floor(energy, momentum);
         self.measures.sample(model, clock.time, source)?;
         self.observed.sample(model, source)?;
         let since = self.steps.count - self.steps_at_last_row.count;

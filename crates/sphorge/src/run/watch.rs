@@ -33,6 +33,8 @@ const PIECE_STEPS: u64 = 500;
 const HOPELESS_STEPS: u64 = 100;
 /// Energy that counts as none, over that of the whole mass at the square of its sound speed.
 const NO_ENERGY: f64 = 1e-12;
+/// Speed of rounding over that of sound: less is no motion.
+const ROUNDING: f64 = 1e-12;
 /// A step below this share of the first is small because of the solution, not because the deck asks for small steps.
 const COLLAPSED: f64 = 0.1;
 /// Largest number a share of next to nothing is said to be.
@@ -72,6 +74,8 @@ struct Start {
     /// Energy (J) and momentum (kg m/s) that are next to nothing.
     nothing: f64,
     no_momentum: f64,
+    /// Energy (J) and momentum (kg m/s) of rounding.
+    rounding: [f64; 2],
     /// Corners of the box around all particles, m, and the highest speed given, m/s.
     low: [f64; 3],
     high: [f64; 3],
@@ -113,6 +117,7 @@ persist_fields!(Start {
     external_work,
     nothing,
     no_momentum,
+    rounding,
     low,
     high,
     speed,
@@ -314,6 +319,11 @@ impl Watch {
         if kinetic > nothing {
             self.hold(WarningKind::WallEnergy, taken.abs() / kinetic, Place::default(), clock);
         }
+    }
+
+    /// Energy (J) and momentum (kg m/s) of rounding, once the run has been looked at.
+    pub(super) fn rounding(&self) -> [f64; 2] {
+        self.start.as_ref().map_or([0.0; 2], |start| start.rounding)
     }
 
     fn look_at_drift(&mut self, model: &Model, conservation: &Conservation, clock: Clock) {
@@ -538,6 +548,7 @@ impl Start {
         let energy = |body: usize| ledger.bodies[body].mass * sound_speed(body).powi(2);
         let momentum = |body: usize| ledger.bodies[body].mass * sound_speed(body);
         let bodies = model.bodies.len().min(ledger.bodies.len());
+        let (energy, momentum): (f64, f64) = ((0..bodies).map(energy).sum(), (0..bodies).map(momentum).sum());
         Ok(Self {
             kinetic: ledger.total.energies.kinetic,
             pressed: ledger.contacts.iter().map(|contact| contact.stored_energy.max(0.0)).sum(),
@@ -545,9 +556,10 @@ impl Start {
                 - (0..bodies).map(|body| ledger.bodies[body].mass * energy_at_start(model, body)).sum::<f64>(),
             // Regions that are driven from the start have been given their velocity: it is in the kinetic energy.
             external_work: ledger.external_work,
-            nothing: NO_ENERGY * (0..bodies).map(energy).sum::<f64>(),
+            nothing: NO_ENERGY * energy,
             // That of a mass with that energy.
-            no_momentum: NO_ENERGY.sqrt() * (0..bodies).map(momentum).sum::<f64>(),
+            no_momentum: NO_ENERGY.sqrt() * momentum,
+            rounding: [ROUNDING.powi(2) * energy, ROUNDING * momentum],
             low,
             high,
             speed: extremum("speed", None, Extremum::Maximum)?.max(driven_speed(model)),
