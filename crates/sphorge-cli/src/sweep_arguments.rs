@@ -94,18 +94,32 @@ impl SweepRunArguments {
 
     /// Lists what would be run.
     pub(crate) fn list(&self, sweep: &Sweep) -> Ending {
-        let what = |planned| match planned {
-            Planned::New => "run",
-            Planned::Again => "run again",
-            Planned::Resume => "resume",
-            Planned::Nothing => "there",
-        };
         let lines = sweep
             .runs
             .iter()
-            .map(|run| format!("{:<9}  {}\n", what(run.planned), terminal::path(&sweep.directory(run))));
+            .map(|run| format!("{:<9}  {}\n", planned(run.planned), terminal::path(&sweep.directory(run))));
         terminal::print(&lines.collect::<String>())?;
         Ok(Outcome::Done)
+    }
+
+    /// The same for programs.
+    pub(crate) fn list_json(&self, sweep: &Sweep) -> Ending {
+        let runs = sweep.runs.iter().map(|run| {
+            serde_json::json!({ "run": run.name, "values": run.values, "planned": planned(run.planned), "notes": run.notes })
+        });
+        let listed = serde_json::json!({ "folder": sweep.folder.to_string_lossy(), "runs": runs.collect::<Vec<_>>() });
+        terminal::print(&format!("{}\n", terminal::json(&listed)?))?;
+        Ok(Outcome::Done)
+    }
+}
+
+/// What there is to do for a run.
+fn planned(planned: Planned) -> &'static str {
+    match planned {
+        Planned::New => "run",
+        Planned::Again => "run again",
+        Planned::Resume => "resume",
+        Planned::Nothing => "there",
     }
 }
 

@@ -73,13 +73,25 @@ fn pieces_of_a_torn_strip_are_listed() {
     let table = fs::read_to_string(place.path("f.csv")).unwrap();
     let frames = fs::read_dir(place.path("torn/fields")).unwrap().count();
     let named = |frame: usize| table.lines().filter(|line| line.starts_with(&format!("{frame},"))).count();
-    assert_eq!((named(0), named(frames - 1), named(frames)), (1, 3, 0), "{table}");
+    assert_eq!((named(0), named(frames - 1), named(frames)), (1, 4, 0), "{table}");
+    assert!(table.starts_with("frame,time (s),fragment,body,particles,mass (kg/m),"), "{table}");
+    // The last line is what is part of none.
+    let named = table.lines().last().unwrap().split(',').nth(2);
+    assert_eq!(named, Some(""), "{table}");
     place
         .run(&["fragments", "torn", "--body", "srtip"])
         .expect_code(2)
         .expect_told(&["no body `srtip`", "did you mean `strip`?"]);
     place.run(&["fragments", "torn", "--frame", "99"]).expect_code(2).expect_told(&["99"]);
+    place.run(&["fragments", "torn", "--frame=-1"]).expect_code(2).expect_told(&["count from zero"]);
     place.run(&["fragments", "torn", "--csv", "torn"]).expect_code(1);
+    // Frames without the deformation, and without the body, which is the only one.
+    let run = ["run", "torn.toml", "-o", "lean", "--set", "output.fields=[\"velocity\",\"integrity\"]"];
+    place.run(&run).expect_code(0);
+    let lean = place.run(&["fragments", "lean", "--json"]).expect_code(0);
+    lean.expect_told(&["no field `deformation_gradient`"]);
+    let lean: serde_json::Value = serde_json::from_str(&lean.out).unwrap();
+    assert!(lean[0]["notes"].as_array().unwrap().len() == 1 && lean[0]["mass_unit"] == "kg/m", "{lean}");
     // Frames without what is needed say what to do.
     for (fields, missing) in [("body\",\"integrity", "velocity"), ("body\",\"velocity", "integrity")] {
         let fields = format!("output.fields=[\"{fields}\"]");

@@ -182,7 +182,7 @@ impl Deck {
         told.set_item("measures", setup.model.measures.iter().map(|of| of.name.clone()).collect::<Vec<_>>())?;
         let units = PyDict::new(py);
         for of in &setup.model.measures {
-            units.set_item(&of.name, measure_unit(&of.kind))?;
+            units.set_item(&of.name, measure_unit(&of.kind, setup.model.dimensions))?;
         }
         told.set_item("measure_units", units)?;
         told.set_item("notes", setup.all_notes().iter().map(|note| of_python(note)).collect::<Vec<_>>())?;

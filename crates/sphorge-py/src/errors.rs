@@ -138,7 +138,7 @@ pub(crate) fn sweep(py: Python<'_>, error: &SweepError) -> PyErr {
 pub(crate) fn fragments(py: Python<'_>, error: &FragmentError) -> PyErr {
     match error {
         FragmentError::Output(error) => output(py, error),
-        FragmentError::Mass(_) | FragmentError::OtherParticles { .. } => plain(py, "FolderError", error),
+        FragmentError::Deck { .. } | FragmentError::OtherParticles { .. } => plain(py, "FolderError", error),
         FragmentError::Choice(_) | FragmentError::Field { .. } | FragmentError::Option { .. } => {
             plain(py, "SphorgeError", error)
         }

@@ -249,9 +249,13 @@ pub(crate) fn ballistic_limit<'py>(
     let flight = Flight { through, ..flight };
     let deck = without(&deck, flight.keys().iter().map(String::as_str), py)?;
     let search = asked.search(&flight);
+    let (loaded, of) = (deck.clone(), flight.clone());
+    let known = planned(py, folder.clone(), Arc::clone(&making.kind), overwrite, move |planning| {
+        of.known(|set| loaded.load_with(set), planning)
+    })?;
     let mut made = 0;
     let mut notes: Vec<Vec<String>> = Vec::new();
-    let searched = search.execute(|speeds| {
+    let searched = search.execute(&known, |speeds| {
         let (deck, flight_of, wanted) = (deck.clone(), flight.clone(), speeds.to_vec());
         let mut sweep = planned(py, folder.clone(), Arc::clone(&making.kind), overwrite, move |planning| {
             flight_of.sweep(|set| deck.load_with(set), &wanted, planning)

@@ -22,6 +22,7 @@ pub(crate) fn did_you_mean(name: &str, names: Vec<String>) -> String {
 /// A text with all options in it, which are in backticks, as arguments of functions.
 pub(crate) fn of_python(text: &str) -> String {
     // What there is no argument for.
+    let text = text.replace("`--from` below `--to`", "the lower speed of `between` first");
     let text = text.replace("pass `--no-lock`", "remove the file `.sphorge-lock` in the folder").replace(
         "build the program with `cargo build --release --features gpu`, or the package for Python with",
         "build the package with",

@@ -95,22 +95,21 @@ pub(crate) fn execute(arguments: BallisticLimitArguments, program: &[OsString]) 
     deck.refuse_set_keys(flight.keys().iter().map(String::as_str))?;
     let search = asked.search(&flight);
     let folder = output.unwrap_or_else(|| Path::new("out").join(format!("{}-ballistic-limit", deck.name())));
-    let plan = |speeds: &[f64]| {
-        // Nothing is written meanwhile: Ctrl-C ends the program.
-        let stop = AtomicBool::new(false);
-        let planning = Planning { folder: &folder, engine: &*engine, again: making.overwrite, stop: &stop };
-        flight.sweep(|set| deck.load_with(set), speeds, &planning).map_err(failure)
-    };
+    // Nothing is written while runs are planned: Ctrl-C ends the program.
+    let stop = AtomicBool::new(false);
+    let planning = Planning { folder: &folder, engine: &*engine, again: making.overwrite, stop: &stop };
+    let plan = |speeds: &[f64]| flight.sweep(|set| deck.load_with(set), speeds, &planning).map_err(failure);
     let first = plan(&search.first())?;
     if making.is_dry() {
-        return making.list(&first);
+        return if json { making.list_json(&first) } else { making.list(&first) };
     }
+    let known = flight.known(|set| deck.load_with(set), &planning).map_err(failure)?;
     let maker = match making.maker(program) {
         Ok(maker) => maker,
         Err(ending) => return ending,
     };
     let mut made = 0;
-    let searched = search.execute(|speeds| {
+    let searched = search.execute(&known, |speeds| {
         let mut sweep = plan(speeds).map_err(Err)?;
         sweep.keep_first(made);
         made = speeds.len();

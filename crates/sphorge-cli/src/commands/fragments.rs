@@ -67,6 +67,13 @@ pub(crate) fn execute(arguments: FragmentsArguments) -> Ending {
     let run = RunDirectory::open(&directory).map_err(|error| Failure::BadInput(error.into()))?;
     let options = FragmentOptions { bodies, link, least };
     let tables = fragments(&run, frame, &options).map_err(|error| Failure::BadInput(error.into()))?;
+    let mut told: Vec<&str> = Vec::new();
+    for note in tables.iter().flat_map(|table| &table.notes) {
+        if !told.contains(&note.as_str()) {
+            told.push(note);
+            terminal::note(&format!("note: {note}"));
+        }
+    }
     if let Some(file) = &csv {
         FragmentTable::write_csv(&tables, file).map_err(|error| Failure::Failed(error.into()))?;
     }

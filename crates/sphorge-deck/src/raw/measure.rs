@@ -35,7 +35,7 @@ tables! {
         cloud_length: Option<RawCloud>;
         /// Width of the debris cloud behind a plate across the flight, m.
         cloud_width: Option<RawCloud>;
-        /// Fragments of a body: what hangs together of its particles that have some integrity. Their number, or a mass, kg.
+        /// Fragments of a body: what hangs together of its particles that have some integrity. Their number, or a mass, kg; kg/m in plane strain, kg/m^2 in one dimension.
         fragments: Option<RawFragments>;
     }
 

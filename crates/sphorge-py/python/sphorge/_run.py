@@ -6,13 +6,14 @@ import json
 import math
 import operator
 import os
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 from . import _notebook, _sphorge
 from ._arrays import array
-from ._errors import FolderError, SphorgeError
+from ._errors import FolderError, SphorgeError, SphorgeWarning
 from ._words import Named, printable, there_is_no
 
 if TYPE_CHECKING:
@@ -119,7 +120,10 @@ class Frame(Mapping[str, "Array"]):
         """
         names = [bodies] if isinstance(bodies, str) else list(bodies or [])
         run, number = self._of_run("whose fragments can be found")
-        return Fragments(json.loads(_sphorge.fragments(run, number, names, float(link), operator.index(least))))
+        found = Fragments(json.loads(_sphorge.fragments(run, number, names, float(link), operator.index(least))))
+        for note in found.notes:
+            warnings.warn(note, SphorgeWarning, stacklevel=2)
+        return found
 
     def _of_run(self, what: str) -> tuple[Path, int]:
         run = self.path.parent.parent
@@ -141,7 +145,8 @@ class Frame(Mapping[str, "Array"]):
 
 class Fragments(Mapping[str, "Array"]):
     """Fragments in a frame, heaviest first: ``body``, ``particles``, ``mass``, ``position``, ``velocity``, ``spin`` and ``size``, each an array with a row
-    for each fragment, in SI, with ``units``. ``loose`` is the mass of each body that is part of none, kg.
+    for each fragment, in SI, with ``units``. ``loose`` is the mass of each body that is part of none, ``loose_velocity`` the velocity of its centre of mass, and
+    ``notes`` say what the frame does not have; they are also warnings.
     """
 
     def __init__(self, table: dict[str, Any]) -> None:
@@ -150,7 +155,9 @@ class Fragments(Mapping[str, "Array"]):
         #: Time of the frame, s.
         self.time: float = table["time"]
         self.loose: dict[str, float] = {of["body"]: of["mass"] for of in table["loose"]}
-        mass = {1: "kg/m^2", 2: "kg/m"}.get(table["dimensions"], "kg")
+        self.loose_velocity: dict[str, Array] = {of["body"]: np.array(of["velocity"]) for of in table["loose"]}
+        self.notes: list[str] = table["notes"]
+        mass = table["mass_unit"]
         self.units: dict[str, str] = {"body": "", "particles": "", "mass": mass, "position": "m", "velocity": "m/s", "spin": "rad/s", "size": "m"}
         rows = table["fragments"]
         shapes = {"body": (str, ()), "particles": (np.int64, ()), "mass": (np.float64, ())}

@@ -6,7 +6,7 @@ use crate::{
     geometry::FilledMass,
     model::{Body, Dimensions, Model},
     observed::Observed,
-    output::uncompressed_bytes,
+    output::{mass_unit, uncompressed_bytes},
     run::repeat::Repeater,
 };
 use std::{sync::Arc, time::Instant};
@@ -80,11 +80,7 @@ impl Forecast {
 
     /// Unit of the masses.
     pub fn mass_unit(&self) -> &'static str {
-        match self.dimensions {
-            Dimensions::One => "kg/m^2",
-            Dimensions::PlaneStrain => "kg/m",
-            Dimensions::Three => "kg",
-        }
+        mass_unit(self.dimensions.count())
     }
 }
 

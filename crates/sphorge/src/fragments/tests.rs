@@ -122,20 +122,83 @@ fn severed_particles_part_fragments_in_a_frame() {
     let header = crate::output::FrameHeader { time: 2e-6, step: 1, dimensions: 2, body_spacing: vec![1e-3, 1e-3] };
     crate::output::FrameWriter::new(&setup.model).write(&mut file, &header, &particles, &fields).unwrap();
     let mut frame = FrameFile::open(&path).unwrap();
-    let table = of_frame(3, &mut frame, &particles.mass, &FragmentOptions::default()).unwrap();
+    let whole = || Whole {
+        mass: particles.mass.clone(),
+        body: particles.body.clone(),
+        periodic: [None; 3],
+        knows_deformation: true,
+    };
+    let table = of_frame(3, &mut frame, &whole(), &FragmentOptions::default()).unwrap();
     let sizes: Vec<_> = table.fragments.iter().map(|of| (of.body.as_str(), of.particles)).collect();
     assert_eq!(sizes, [("bar", 36), ("bar", 36), ("other", 24)]);
     assert_eq!((table.loose[0].particles, table.loose[1].particles), (8, 0));
     assert!((table.loose[0].mass - 8.0 * 7890.0 * 1e-6).abs() < 1e-12);
     let text = table.text(1);
     assert!(text.starts_with("frame 3 at 2 us\n") && text.contains("2 lighter fragments, "), "{text}");
-    assert!(text.contains("bar: 8 particles, 0.06312 kg/m, are part of no fragment"), "{text}");
+    assert!(
+        text.contains("bar: 8 particles, 0.06312 kg/m, are part of no fragment; their mean velocity is (5, 0) m/s"),
+        "{text}"
+    );
+    assert!(table.notes.len() == 1 && table.notes[0].contains("no field `deformation_gradient`"), "{:?}", table.notes);
     assert!(text.contains(" (5, 0) ") && text.contains(" 0 rad/s ") && text.contains("9 mm x 4 mm"), "{text}");
-    assert_eq!(FragmentTable::csv(&[table]).lines().count(), 4);
+    // Head, fragments, and what is part of none, with which mass and momentum add up.
+    let csv = FragmentTable::csv(&[table]);
+    let lines: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    assert!(lines.len() == 5 && lines[0][5] == "mass (kg/m)" && lines[4][2..4] == ["", "bar"], "{csv}");
+    let of_bar = |value: fn(&[&str]) -> f64| {
+        lines[1..].iter().filter(|line| line[3] == "bar").map(|line| value(line)).sum::<f64>()
+    };
+    assert!((of_bar(|line| line[5].parse().unwrap()) - 80.0 * 7890.0 * 1e-6).abs() < 1e-12, "{csv}");
+    let momentum = of_bar(|line| line[5].parse::<f64>().unwrap() * line[9].parse::<f64>().unwrap());
+    assert!((momentum - 5.0 * 80.0 * 7890.0 * 1e-6).abs() < 1e-9, "{csv}");
     // Without the velocity there is nothing to say.
     let mut file = std::fs::File::create(&path).unwrap();
     crate::output::FrameWriter::new(&setup.model).write(&mut file, &header, &particles, &fields[..1]).unwrap();
     let mut frame = FrameFile::open(&path).unwrap();
-    let none = of_frame(3, &mut frame, &particles.mass, &FragmentOptions::default());
+    let none = of_frame(3, &mut frame, &whole(), &FragmentOptions::default());
     assert!(matches!(none, Err(FragmentError::Field { name: "velocity" })), "{none:?}");
+}
+
+#[test]
+fn bodies_and_what_lies_over_periodic_ends_are_those_of_the_deck() {
+    // A bar that lies over the end of the cell, moving and turning about its middle, beside a bar that goes all around; frames say no more than they must.
+    let folder = tempfile::tempdir().unwrap();
+    let deck = DECK.replace(
+        "output = { frames = 1 }",
+        "output = { frames = 1, fields = [\"velocity\"] }\nmethod = \"updated-lagrangian\"\nperiodic = { x = [0, \"20 mm\"] }",
+    );
+    let setup = crate::deck::load_text("bars", &deck, &[]).unwrap();
+    let options = RunOptions { directory: folder.path().join("run"), ..RunOptions::default() };
+    execute(setup.clone(), ENGINES[0], &options, &AtomicBool::new(false), &mut Silent).unwrap();
+    let run = RunDirectory::open(&options.directory).unwrap();
+    let again = FragmentOptions { bodies: vec!["other".into(), "bar".into(), "other".into()], ..Default::default() };
+    let table = &fragments(&run, Some(FrameChoice::First), &again).unwrap()[0];
+    let sizes: Vec<_> = table.fragments.iter().map(|of| (of.body.as_str(), of.particles)).collect();
+    assert_eq!((sizes, table.loose.len()), (vec![("bar", 80), ("other", 24)], 2));
+    assert!(table.notes.len() == 1 && table.mass_unit == "kg/m", "{:?}", table.notes);
+    // The same with a spin, in frames as a run would write them.
+    let mut particles = setup.particles.clone();
+    let middle = [18.5e-3, 42e-3];
+    for i in (0..particles.len()).filter(|&i| particles.body[i] == 1) {
+        let x = particles.position[i];
+        let way = [x[0] - 3e-3, x[1] - middle[1]];
+        particles.velocity[i] = [-1000.0 * way[1] + 7.0, 1000.0 * way[0], 0.0];
+        let along = middle[0] + way[0];
+        particles.position[i][0] = if along >= 20e-3 { along - 20e-3 } else { along };
+    }
+    let path = folder.path().join("frame.vtp");
+    let mut file = std::fs::File::create(&path).unwrap();
+    let header = crate::output::FrameHeader { time: 2e-6, step: 1, dimensions: 2, body_spacing: vec![1e-3, 1e-3] };
+    let fields = ["velocity".to_owned()];
+    crate::output::FrameWriter::new(&setup.model).write(&mut file, &header, &particles, &fields).unwrap();
+    let mut frame = FrameFile::open(&path).unwrap();
+    let whole = Whole::of(&run, Some(&setup.model), &mut frame).unwrap();
+    let table = of_frame(0, &mut frame, &whole, &FragmentOptions::default()).unwrap();
+    let [bar, other] = &table.fragments[..] else { panic!("{table:?}") };
+    near(bar.velocity, [5.0, 0.0, 0.0], 1e-6);
+    near(bar.spin, [0.0; 3], 1e-12);
+    near(other.velocity, [7.0, 0.0, 0.0], 1e-4);
+    near(other.spin, [0.0, 0.0, 1000.0], 1e-2);
+    near(other.position, [18.5e-3, 42e-3, 0.0], 1e-7);
+    near(other.size, [6e-3, 4e-3, 0.0], 1e-7);
 }

@@ -8,14 +8,14 @@ use crate::{
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use std::path::Path;
 
-/// Names of the columns of the CSV file.
+/// Names of the columns of the CSV file; the unit of a mass is that of the run.
 const COLUMNS: [&str; 19] = [
     "frame",
     "time (s)",
     "fragment",
     "body",
     "particles",
-    "mass (kg)",
+    "mass",
     "x (m)",
     "y (m)",
     "z (m)",
@@ -35,10 +35,10 @@ fn length(v: [f64; 3]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// The spin, rad/s; zero where nothing of the fragment moves by it but rounding.
-fn spin(fragment: &Fragment) -> f64 {
-    let spin = length(fragment.spin);
-    if spin * fragment.size[0] < 1e-9 { 0.0 } else { spin }
+/// The spin, rad/s: in a plane about its normal, with the sign, else how large it is; zero where nothing of the fragment moves by it but rounding.
+fn spin(fragment: &Fragment, dimensions: usize) -> f64 {
+    let spin = if dimensions == 2 { fragment.spin[2] } else { length(fragment.spin) };
+    if spin.abs() * fragment.size[0] < 1e-9 { 0.0 } else { spin }
 }
 
 fn quantity(value: f64, unit: &str) -> String {
@@ -56,11 +56,7 @@ fn vector(v: &[f64]) -> String {
 impl FragmentTable {
     /// For people: no more than `most` fragments one by one, the others together.
     pub fn text(&self, most: usize) -> String {
-        let mass_unit = match self.dimensions {
-            1 => "kg/m^2",
-            2 => "kg/m",
-            _ => "kg",
-        };
+        let mass_unit = self.mass_unit;
         let mut text = format!("frame {} at {}\n", self.frame, quantity(self.time, "s"));
         let row = |(k, fragment): (usize, &Fragment)| {
             let size = fragment.size[..self.dimensions].iter().map(|x| quantity(*x, "m"));
@@ -70,7 +66,7 @@ impl FragmentTable {
                 fragment.particles.to_string(),
                 quantity(fragment.mass, mass_unit),
                 vector(&fragment.velocity[..self.dimensions]),
-                quantity(spin(fragment), "rad/s"),
+                quantity(spin(fragment, self.dimensions), "rad/s"),
                 size.collect::<Vec<_>>().join(" x "),
             ]
         };
@@ -94,43 +90,39 @@ impl FragmentTable {
         }
         for loose in self.loose.iter().filter(|loose| loose.particles > 0) {
             let (particles, mass) = (loose.particles, quantity(loose.mass, mass_unit));
-            text.push_str(&format!("{}: {particles} particles, {mass}, are part of no fragment\n", loose.body));
+            let velocity = vector(&loose.velocity[..self.dimensions]);
+            text.push_str(&format!(
+                "{}: {particles} particles, {mass}, are part of no fragment; their mean velocity is {velocity} m/s\n",
+                loose.body
+            ));
         }
         text
     }
 
-    /// All fragments of some frames as CSV, with a head.
+    /// All fragments of some frames as CSV, with a head; what of a body is part of none is a line without a number, place, spin and size.
     pub fn csv(tables: &[Self]) -> String {
         let mut text = csv::Writer::from_writer(Vec::new());
-        let mut lines = vec![COLUMNS.map(str::to_owned)];
+        // All frames of a run have the same dimensions.
+        let mass = format!("mass ({})", tables.first().map_or("kg", |table| table.mass_unit));
+        let mut lines = vec![COLUMNS.map(|name| if name == "mass" { mass.clone() } else { name.to_owned() })];
+        let texts = |values: [f64; 3]| values.map(|x| x.to_string());
         for table in tables {
+            let mut add =
+                |number: String, body: &str, particles: u64, mass: f64, vectors: [[String; 3]; 4], speed: f64| {
+                    let [[x, y, z], [u, v, w], [p, q, r], [a, b, c]] = vectors;
+                    let (frame, time) = (table.frame.to_string(), table.time.to_string());
+                    let (particles, mass, speed) = (particles.to_string(), mass.to_string(), speed.to_string());
+                    let body = body.to_owned();
+                    lines.push([frame, time, number, body, particles, mass, x, y, z, u, v, w, speed, p, q, r, a, b, c]);
+                };
             for (k, of) in table.fragments.iter().enumerate() {
-                let ([x, y, z], [u, v, w], [p, q, r], [a, b, c]) = (of.position, of.velocity, of.spin, of.size);
-                let [x, y, z, u, v, w, speed, p, q, r, a, b, c] =
-                    [x, y, z, u, v, w, length(of.velocity), p, q, r, a, b, c].map(|number| number.to_string());
-                let (frame, time, number) = (table.frame.to_string(), table.time.to_string(), (k + 1).to_string());
-                let (particles, mass) = (of.particles.to_string(), of.mass.to_string());
-                lines.push([
-                    frame,
-                    time,
-                    number,
-                    of.body.clone(),
-                    particles,
-                    mass,
-                    x,
-                    y,
-                    z,
-                    u,
-                    v,
-                    w,
-                    speed,
-                    p,
-                    q,
-                    r,
-                    a,
-                    b,
-                    c,
-                ]);
+                let vectors = [of.position, of.velocity, of.spin, of.size].map(texts);
+                add((k + 1).to_string(), &of.body, of.particles, of.mass, vectors, length(of.velocity));
+            }
+            for of in table.loose.iter().filter(|of| of.particles > 0) {
+                let none = || [const { String::new() }; 3];
+                let vectors = [none(), texts(of.velocity), none(), none()];
+                add(String::new(), &of.body, of.particles, of.mass, vectors, length(of.velocity));
             }
         }
         // Memory takes all that is written to it, and all lines have the same length.

@@ -34,12 +34,13 @@ impl Fragments {
             position: &particles.position,
             deformation,
             link: link * model.bodies[body].spacing,
+            periodic: model.periodic,
         };
         let joined = cloud.joined(is_part);
         let (mut mass, mut size) = (vec![0.0; particles.len()], vec![0u64; particles.len()]);
-        for (i, root) in joined {
-            mass[root] += particles.mass[i];
-            size[root] += 1;
+        for of in joined {
+            mass[of.root] += particles.mass[of.particle];
+            size[of.root] += 1;
         }
         let fragments = mass.into_iter().zip(size).filter(|(_, size)| *size >= least.max(1));
         let mut masses: Vec<f64> = fragments.map(|(mass, _)| mass).collect();

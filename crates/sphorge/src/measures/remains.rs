@@ -14,19 +14,26 @@ pub(super) fn remains(
     link: f64,
     in_place: impl Fn(&[f64; 3]) -> bool,
 ) -> Vec<bool> {
-    let cloud = Cloud { dimensions: model.dimensions.count(), position: &particles.position, deformation: None, link };
+    let cloud = Cloud {
+        dimensions: model.dimensions.count(),
+        position: &particles.position,
+        deformation: None,
+        link,
+        periodic: model.periodic,
+    };
     let joined = cloud.joined(|i| particles.body[i] as usize == body);
     let mut mass = vec![0.0; particles.len()];
     let mut stands = vec![false; particles.len()];
     let mut whole = 0.0;
-    for &(i, root) in &joined {
+    for of in &joined {
+        let (i, root) = (of.particle, of.root);
         mass[root] += particles.mass[i];
         stands[root] |= in_place(&particles.position[i]);
         whole += particles.mass[i];
     }
     let mut left = vec![false; particles.len()];
-    for (i, root) in joined {
-        left[i] = stands[root] && mass[root] >= LARGE * whole;
+    for of in joined {
+        left[of.particle] = stands[of.root] && mass[of.root] >= LARGE * whole;
     }
     left
 }

@@ -25,7 +25,7 @@ use crate::{
         persist::{Archive, ArchiveError, Persist, require},
     },
     model::{Dimensions, FragmentQuantity, MeasureKind, Model},
-    particles::find_field,
+    particles::{FieldInfo, find_field},
 };
 use serde::{Deserialize, Serialize};
 
@@ -265,25 +265,39 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
         let taken = row.cells.iter().any(|(column, _)| column.name == measure.name);
         let name = if taken { format!("measure.{}", measure.name) } else { measure.name.clone() };
         // A measure is of a field or a length, or says of its own what it is a sum of.
-        let unit = measure_unit(&measure.kind).to_owned();
+        let unit = measure_unit(&measure.kind, model.dimensions).to_owned();
         row.cells.push((HistoryColumn { name, unit, meaning: MEASURE_MEANING.into() }, (*value).into()));
     }
     row
 }
 
+/// SI unit of a mass: in plane strain it is that of a metre of thickness, in one dimension that of a square metre.
+pub(crate) fn mass_unit(dimensions: usize) -> &'static str {
+    match dimensions {
+        1 => "kg/m^2",
+        2 => "kg/m",
+        _ => "kg",
+    }
+}
+
+/// SI unit of a field in so many dimensions.
+pub(crate) fn field_unit(field: &FieldInfo, dimensions: usize) -> &'static str {
+    if field.unit == "kg" { mass_unit(dimensions) } else { field.unit }
+}
+
 /// SI unit of a measure.
-pub fn measure_unit(kind: &MeasureKind) -> &'static str {
+pub fn measure_unit(kind: &MeasureKind, dimensions: Dimensions) -> &'static str {
     match kind {
         MeasureKind::Extent { .. }
         | MeasureKind::Diameter { .. }
         | MeasureKind::CraterDiameter { .. }
         | MeasureKind::Cloud { .. } => "m",
         MeasureKind::Extreme { field, .. } | MeasureKind::Mean { field, .. } | MeasureKind::Value { field, .. } => {
-            find_field(field).map_or("", |field| field.unit)
+            find_field(field).map_or("", |field| field_unit(field, dimensions.count()))
         }
         MeasureKind::FrontSpeed { .. } => "m/s",
         MeasureKind::Fragments { quantity: FragmentQuantity::Number, .. } => "",
-        MeasureKind::Fragments { .. } => "kg",
+        MeasureKind::Fragments { .. } => mass_unit(dimensions.count()),
         MeasureKind::Period { .. } | MeasureKind::ReversalTime { .. } => "s",
     }
 }

@@ -28,6 +28,7 @@ mod xml;
 pub use directory::RunDirectory;
 pub use error::OutputError;
 pub use history::{HistoryColumn, measure_unit};
+pub(crate) use history::{field_unit, mass_unit};
 pub use history_read::HistoryTable;
 pub use series::{SeriesEntry, read_series};
 pub use summary::{

@@ -130,8 +130,10 @@ impl FrameWriter {
     /// The text of the file that names so many pieces in a folder beside it.
     fn named_pieces(&self, header: &FrameHeader, fields: &[String], index: usize, pieces: usize) -> io::Result<String> {
         let fields = written_fields(&with_order(fields))?;
-        let arrays: String =
-            fields.iter().map(|field| format!("      {}", array_element("PDataArray", field, ""))).collect();
+        let arrays: String = fields
+            .iter()
+            .map(|field| format!("      {}", array_element("PDataArray", field, header.dimensions, "")))
+            .collect();
         let pieces: String = (0..pieces)
             .map(|piece| format!("    <Piece Source=\"{index:06}/{}\"/>\n", numbered(piece, EXTENSION)))
             .collect();

@@ -9,6 +9,7 @@
 
 use super::{
     atomic::Sink,
+    history::field_unit,
     vtp_data::{COMPRESSOR, write_compressed, write_raw},
 };
 use crate::engine::{FieldSource, RunFailure};
@@ -162,7 +163,8 @@ impl FrameWriter {
         let materials = strings("BodyMaterial", self.bodies.iter().map(|body| body.material.clone()));
         let unit = |field: &&&FieldInfo| !field.unit.is_empty();
         let position = std::iter::once("Points: m".to_owned());
-        let units = fields.iter().filter(unit).map(|field| format!("{}: {}", field.name, field.unit));
+        let units =
+            fields.iter().filter(unit).map(|field| format!("{}: {}", field.name, field_unit(field, header.dimensions)));
         let units = strings("Units", position.chain(units));
         format!(
             r#"    <FieldData>
@@ -209,7 +211,7 @@ impl FrameWriter {
         );
         for field in fields {
             let place = format!(" format=\"appended\" {:OFFSET$}", offset());
-            let _ = write!(text, "        {}", array_element("DataArray", field, &place));
+            let _ = write!(text, "        {}", array_element("DataArray", field, header.dimensions, &place));
         }
         text.push_str("      </PointData>\n    </Piece>\n  </PolyData>\n  <AppendedData encoding=\"raw\">\n   _");
         text
@@ -217,14 +219,14 @@ impl FrameWriter {
 }
 
 /// The element of an array of a field: a line, or three with its unit.
-pub(super) fn array_element(tag: &str, field: &FieldInfo, place: &str) -> String {
-    let FieldInfo { name, kind, unit, .. } = field;
+pub(super) fn array_element(tag: &str, field: &FieldInfo, dimensions: usize, place: &str) -> String {
+    let FieldInfo { name, kind, .. } = field;
     let (width, components) = (kind.width(), component_names(*kind));
     let value_type = if *kind == ColumnKind::Integer { "UInt32" } else { "Float32" };
     let components: String =
         components.iter().enumerate().map(|(k, name)| format!(r#" ComponentName{k}="{name}""#)).collect();
     let start = format!(r#"<{tag} type="{value_type}" Name="{name}" NumberOfComponents="{width}"{components}{place}"#);
-    match *unit {
+    match field_unit(field, dimensions) {
         "" => format!("{start}/>\n"),
         unit => format!("{start}>\n          {}\n        </{tag}>\n", unit_label(unit)),
     }

@@ -127,6 +127,11 @@ impl FrameFile {
         read().is_ok()
     }
 
+    /// Its file.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Fields in the frame.
     pub fn arrays(&self) -> &[FrameArray] {
         &self.arrays

@@ -28,7 +28,11 @@ impl std::str::FromStr for FrameChoice {
             "first" => Ok(Self::First),
             "last" => Ok(Self::Last),
             _ => text.trim().parse().map(Self::Index).or_else(|_| {
-                read_quantity(text, "s").map(Self::Time).map_err(|reason| {
+                let time = read_quantity(text, "s").and_then(|time| match time >= 0.0 {
+                    true => Ok(time),
+                    false => Err("frames and times count from zero".to_owned()),
+                });
+                time.map(Self::Time).map_err(|reason| {
                     format!("`{text}` is not a frame ({reason}); write first, last, a number such as 12, or a time such as \"60 us\"")
                 })
             }),

@@ -20,7 +20,7 @@ use crate::{
     geometry::cell_corners,
     model::{Formulation, Model, SymmetryPlane},
     number::quantity,
-    output::{FrameFile, OutputError, RunDirectory, read_series},
+    output::{FrameFile, OutputError, RunDirectory, field_unit, read_series},
     particles::find_field,
 };
 use std::path::{Path, PathBuf};
@@ -352,7 +352,7 @@ impl Scene {
             projection: look.view.projection(),
             label: field_label(name, component, look.norm),
             look,
-            unit: find_field(name).map_or("", |field| field.unit),
+            unit: find_field(name).map_or("", |field| field_unit(field, if line { 1 } else { 2 + usize::from(deep) })),
             extent: Extent { window: picture.window.unwrap_or(roomy(extent.window)), ..extent },
             panels: panels.into_iter().map(|shown| shown.panel).collect(),
         })

@@ -239,6 +239,10 @@ fn frames_are_chosen_by_word_number_or_time() {
     ] {
         assert_eq!(text.parse(), Ok(choice));
     }
+    for negative in ["-1", "-2 us", "-0.5"] {
+        let error = negative.parse::<FrameChoice>().unwrap_err();
+        assert!(error.contains("count from zero"), "{negative}: {error}");
+    }
     assert!("soon".parse::<FrameChoice>().is_err() && "inf".parse::<FrameChoice>().is_err());
     let error = "12 mm".parse::<FrameChoice>().unwrap_err();
     assert!(error.contains("found a length") && error.contains("60 us"), "{error}");

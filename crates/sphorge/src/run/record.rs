@@ -497,8 +497,9 @@ impl Recorder {
         let mut stage_seconds = engine.stage_seconds();
         stage_seconds.output += self.seconds;
         let named = || model.measures.iter().map(|measure| measure.name.clone());
-        let measure_units =
-            named().zip(model.measures.iter().map(|measure| measure_unit(&measure.kind).to_owned())).collect();
+        let measure_units = named()
+            .zip(model.measures.iter().map(|measure| measure_unit(&measure.kind, model.dimensions).to_owned()))
+            .collect();
         let summary = Summary {
             format: Summary::FORMAT,
             status: match end_reason {

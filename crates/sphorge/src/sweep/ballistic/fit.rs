@@ -42,11 +42,14 @@ impl RechtIpson {
     pub fn fit(points: &[(f64, f64)], bounds: (f64, f64), exponent: Option<f64>) -> Result<Self, String> {
         let constants = if exponent.is_some() { 2 } else { 3 };
         if points.len() < constants {
-            let found = if points.len() == 1 { "run has".to_owned() } else { format!("{} runs have", points.len()) };
+            let found = match points.len() {
+                0 => "no run has".to_owned(),
+                1 => "one run has".to_owned(),
+                count => format!("only {count} runs have"),
+            };
             let held = if exponent.is_none() && points.len() == 2 { ", or hold p" } else { "" };
             return Err(format!(
-                "{} {found} got through, and a curve with {constants} free constants needs {constants}{held}",
-                if points.len() == 1 { "one" } else { "only" }
+                "{found} got through, and a curve with {constants} free constants needs {constants}{held}"
             ));
         }
         let (low, high) = bounds;
@@ -143,6 +146,8 @@ mod tests {
         assert!(two.contains("3 free constants") && two.contains("hold p"), "{two}");
         let one = RechtIpson::fit(&through[..1], (150.0, 220.0), Some(2.0)).unwrap_err();
         assert!(one.contains("one run has"), "{one}");
+        let none = RechtIpson::fit(&[], (150.0, 220.0), None).unwrap_err();
+        assert!(none.starts_with("no run has got through"), "{none}");
         // What is off a curve is told: here one metre per second, up and down.
         let off = through.iter().flat_map(|(speed, residual)| [(*speed, residual + 1.0), (*speed, residual - 1.0)]);
         let curve = RechtIpson::fit(&off.collect::<Vec<_>>(), (150.0, 220.0), Some(2.0)).unwrap();

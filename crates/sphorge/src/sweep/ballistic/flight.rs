@@ -2,12 +2,12 @@
 
 use super::search::{Outcome, Shot};
 use crate::{
-    deck::{DeckReport, Setup, did_you_mean, names_like, read_quantity},
+    deck::{DeckReport, Setup, did_you_mean, load_model, names_like, read_quantity},
     model::MeasureKind,
-    output::{FrameFile, HistoryTable, OutputError, RunDirectory, Summary, read_series},
-    sweep::{Planning, Sweep, SweepError, SweepRow, SweepTable, Varied, plan::Load},
+    output::{FrameFile, HistoryTable, OutputError, RunDirectory, Status, Summary, read_series},
+    sweep::{Planned, Planning, Sweep, SweepError, SweepRow, SweepTable, Varied, plan::Load},
 };
-use std::path::Path;
+use std::{fs, path::Path};
 
 /// Axes by their names.
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -15,6 +15,8 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 const NOISE: f64 = 0.02;
 /// Share of the impact velocity that a projectile loses at least in an impact.
 const TOUCH: f64 = 1e-3;
+/// Most runs of a folder that are looked at.
+const MOST_KNOWN: usize = 1000;
 /// Part of a run that is its end.
 const LAST: f64 = 0.1;
 /// Share of its velocity beside the target that a projectile may still lose or gain in the last part of a run: it would take
@@ -135,6 +137,49 @@ impl Flight {
         };
         let load: &Load<'_> = &load;
         Sweep::of(load, vec![varied], speeds.iter().map(set).collect(), planning)
+    }
+
+    /// Speeds at which the folder has runs of this study that have reached their end, slow to fast: of the same deck but for the speed.
+    ///
+    /// # Errors
+    /// [`SweepError::Stopped`].
+    pub fn known(
+        &self,
+        load: impl Fn(&[(String, String)]) -> Result<Setup, DeckReport>,
+        planning: &Planning<'_>,
+    ) -> Result<Vec<f64>, SweepError> {
+        let mut known: Vec<f64> = Vec::new();
+        if planning.again {
+            return Ok(known);
+        }
+        let Ok(entries) = fs::read_dir(planning.folder) else { return Ok(known) };
+        for path in entries.flatten().map(|entry| entry.path()) {
+            let is_complete = |run: &RunDirectory| {
+                let ended = [Status::Completed, Status::CompletedWithWarnings];
+                Summary::read(run).is_ok_and(|summary| ended.contains(&summary.status))
+            };
+            let Ok(run) = RunDirectory::open(&path) else { continue };
+            if !is_complete(&run) {
+                continue;
+            }
+            let Ok(model) = load_model(&run.deck()) else { continue };
+            let Some(body) = model.bodies.iter().find(|body| body.name == self.bodies[0]) else { continue };
+            let speed = self.sign * body.velocity[self.axis];
+            if !(speed > 0.0 && speed.is_finite()) || known.contains(&speed) {
+                continue;
+            }
+            match self.sweep(&load, &[speed], planning) {
+                Err(SweepError::Stopped) => return Err(SweepError::Stopped),
+                // A run of another deck, or one that would be of another name.
+                Err(_) => {}
+                Ok(sweep) => known.extend(sweep.runs.iter().filter(|of| of.planned == Planned::Nothing).map(|_| speed)),
+            }
+            if known.len() == MOST_KNOWN {
+                break;
+            }
+        }
+        known.sort_by(f64::total_cmp);
+        Ok(known)
     }
 
     /// What became of the projectile in each run of a table, which has them in the order of these speeds.

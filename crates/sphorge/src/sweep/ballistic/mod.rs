@@ -102,12 +102,14 @@ impl Asked {
 }
 
 impl Search {
-    /// Runs until the search ends. `run` makes the runs at all of these speeds that are not there yet.
+    /// Runs until the search ends. `known` are speeds of which there are runs ([`Flight::known`]), `run` makes the runs at all of these speeds that are
+    /// not there yet.
     ///
     /// # Errors
     /// That of `run`.
     pub fn execute<E>(
         &self,
+        known: &[f64],
         mut run: impl FnMut(&[f64]) -> Result<(SweepTable, Vec<Shot>), E>,
     ) -> Result<Option<Searched>, E> {
         let mut found: Option<Searched> = None;
@@ -115,8 +117,9 @@ impl Search {
             match self.next(found.as_ref().map_or(&[], |found| &found.shots)) {
                 Next::End(end) => return Ok(found.map(|found| Searched { end, ..found })),
                 Next::Run(more) => {
-                    let before = found.map_or_else(Vec::new, |found| found.speeds);
-                    let speeds = [before, more].concat();
+                    let mut speeds = found.map_or_else(|| known.to_vec(), |found| found.speeds);
+                    let more: Vec<f64> = more.into_iter().filter(|speed| !speeds.contains(speed)).collect();
+                    speeds.extend(more);
                     let (table, shots) = run(&speeds)?;
                     found = Some(Searched { speeds, table, shots, end: End::RunsUsed });
                 }

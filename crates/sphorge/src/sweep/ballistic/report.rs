@@ -103,6 +103,9 @@ impl BallisticLimit {
                 notes.push("the limit is not bracketed: runs do not tell".to_owned())
             }
             End::Open => notes.push(format!("the bracket is wider than {within}: runs within it do not tell")),
+            End::Outside => notes.push(
+                "runs that were there bracket the limit beyond the bounds, and nothing is run there: move `--from` or `--to`".to_owned(),
+            ),
             End::NothingTells => notes.push("no run tells whether it got through".to_owned()),
             End::RunsUsed => notes.push(format!(
                 "{} runs were made, and the bracket is not narrower than {within}: allow more by `--runs`",

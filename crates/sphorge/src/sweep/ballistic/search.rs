@@ -113,6 +113,8 @@ pub enum End {
     Mixed,
     /// Runs in the bracket failed, or do not tell.
     Open,
+    /// Runs that were there bracket the limit beyond the bounds, between which alone runs are made.
+    Outside,
     /// No run tells.
     NothingTells,
     /// There are as many runs as there may be.
@@ -136,24 +138,31 @@ const STRIDE: f64 = 1.4;
 const FARTHEST: f64 = 32.0;
 
 impl Search {
-    /// What to run after these runs.
+    /// What to run after these runs. Runs at other speeds than are asked for, which were there before, count as any.
     pub fn next(&self, shots: &[Shot]) -> Next {
-        let room = self.runs.saturating_sub(shots.len());
-        let missing: Vec<f64> =
-            self.first().into_iter().filter(|speed| shots.iter().all(|shot| shot.speed != *speed)).collect();
-        let run = |mut speeds: Vec<f64>| {
-            speeds.truncate(room);
+        let is_there = |speed: f64| shots.iter().any(|shot| shot.speed == speed);
+        let run = |mut speeds: Vec<f64>, made: usize| {
+            speeds.truncate(self.runs.saturating_sub(made));
             if speeds.is_empty() { Next::End(End::RunsUsed) } else { Next::Run(speeds) }
         };
+        let (there, missing): (Vec<f64>, Vec<f64>) = self.first().into_iter().partition(|speed| is_there(*speed));
         if !missing.is_empty() {
-            return run(missing);
+            // However many others were there.
+            return run(missing, there.len());
         }
+        let run = |speeds: Vec<f64>| run(speeds, shots.len());
         let speeds = || shots.iter().map(|shot| shot.speed);
         let lowest = speeds().min_by(f64::total_cmp).unwrap_or(self.own);
         let highest = speeds().max_by(f64::total_cmp).unwrap_or(self.own);
         let is_any = |of: Outcome| shots.iter().any(|shot| shot.outcome == of);
         let is_known_at = |speed: f64| shots.iter().all(|shot| shot.speed != speed || shot.outcome.is_known());
-        let is_over = shots.iter().filter(|shot| !shot.outcome.is_known()).count() >= MOST_OPEN;
+        let (least, most) = self.bounds();
+        let open = |shot: &&Shot| !shot.outcome.is_known() && (least..=most).contains(&shot.speed);
+        let is_over = shots.iter().filter(open).count() >= MOST_OPEN;
+        let or_beside = |end: End, of: Outcome| match end {
+            End::Open => self.beside(shots, &of).map_or(Next::End(end), run),
+            _ => Next::End(end),
+        };
         match (Bracket::of(shots), is_any(Outcome::Through)) {
             (Some(bracket), _) => match self.between(shots, bracket) {
                 Ok(speeds) => run(speeds),
@@ -164,11 +173,13 @@ impl Search {
             (None, true) if self.from.is_none() && lowest > self.own / FARTHEST => {
                 run(vec![self.round(lowest / STRIDE)])
             }
-            (None, true) => Next::End(if is_known_at(lowest) { End::AllThrough } else { End::Open }),
+            (None, true) => or_beside(if is_known_at(lowest) { End::AllThrough } else { End::Open }, Outcome::Through),
             (None, false) if self.to.is_none() && highest < self.own * FARTHEST => {
                 run(vec![self.round(highest * STRIDE)])
             }
-            (None, false) => Next::End(if is_known_at(highest) { End::AllStopped } else { End::Open }),
+            (None, false) => {
+                or_beside(if is_known_at(highest) { End::AllStopped } else { End::Open }, Outcome::Stopped)
+            }
         }
     }
 
@@ -191,32 +202,86 @@ impl Search {
         if bracket.is_mixed() {
             return Err(End::Mixed);
         }
-        let Bracket { stopped: low, through: high } = bracket;
-        let mut ends: Vec<f64> =
-            shots.iter().map(|shot| shot.speed).filter(|speed| (low..=high).contains(speed)).collect();
-        ends.sort_by(f64::total_cmp);
-        ends.dedup();
-        let open = ends.len().saturating_sub(2);
+        // Nothing is run beyond the bounds, though runs that were there may be.
+        let (least, most) = self.bounds();
+        let (low, high) = (bracket.stopped.max(least), bracket.through.min(most));
+        if low >= high {
+            return Err(End::Outside);
+        }
+        let bracket = Bracket { stopped: low, through: high };
+        let inside = || shots.iter().filter(|shot| (low..=high).contains(&shot.speed));
+        let open = inside().filter(|shot| !shot.outcome.is_known()).count();
         if open >= MOST_OPEN {
             return Err(End::Open);
         }
-        let rounded = |speed: f64| Some(self.round(speed)).filter(|x| low < *x && *x < high).unwrap_or(speed);
         if open > 0 {
             // In the middle of the widest gap between them.
+            let mut ends: Vec<f64> = inside().map(|shot| shot.speed).chain([low, high]).collect();
+            ends.sort_by(f64::total_cmp);
             let gap =
                 ends.windows(2).max_by(|a, b| (a[1] - a[0]).partial_cmp(&(b[1] - b[0])).unwrap_or(Ordering::Equal));
-            return Ok(gap.map(|gap| rounded(0.5 * (gap[0] + gap[1]))).into_iter().collect());
+            return gap
+                .and_then(|gap| self.untried(shots, (gap[0], gap[1]), [0.5 * (gap[0] + gap[1])]))
+                .ok_or(End::Open);
         }
-        // No more than make it narrow enough.
-        let enough = ((bracket.width() / self.within).ceil() as usize).saturating_sub(1).max(1);
-        let count = self.at_once.clamp(1, enough);
-        if count == 1 {
-            return Ok(vec![rounded(self.guess(shots, bracket).unwrap_or(bracket.middle()))]);
-        }
-        let mut speeds: Vec<f64> =
-            (1..=count).map(|k| rounded(low + bracket.width() * k as f64 / (count + 1) as f64)).collect();
+        let count = self.count(bracket.width());
+        let even = |k: usize| low + bracket.width() * k as f64 / (count + 1) as f64;
+        let speeds = match count {
+            1 => self.untried(shots, (low, high), [self.guess(shots, bracket).unwrap_or(bracket.middle())]),
+            _ => self.untried(shots, (low, high), (1..=count).map(even)),
+        };
+        speeds.ok_or(End::Open)
+    }
+
+    /// Bounds that nothing is run beyond.
+    fn bounds(&self) -> (f64, f64) {
+        (self.from.unwrap_or(0.0), self.to.unwrap_or(f64::INFINITY))
+    }
+
+    /// How many runs at once there are in a gap: no more than make it narrow enough.
+    fn count(&self, width: f64) -> usize {
+        let enough = ((width / self.within).ceil() as usize).saturating_sub(1).max(1);
+        self.at_once.clamp(1, enough)
+    }
+
+    /// Speeds in a gap as short as they may be, of which there are no runs; none if there is no other number.
+    fn untried(
+        &self,
+        shots: &[Shot],
+        (low, high): (f64, f64),
+        speeds: impl IntoIterator<Item = f64>,
+    ) -> Option<Vec<f64>> {
+        let is_new = |speed: &f64| low < *speed && *speed < high && shots.iter().all(|shot| shot.speed != *speed);
+        let rounded = |speed: f64| Some(self.round(speed)).filter(is_new).or(Some(speed).filter(is_new));
+        let mut speeds: Vec<f64> = speeds.into_iter().filter_map(rounded).collect();
         speeds.dedup();
-        Ok(speeds)
+        Some(speeds).filter(|speeds| !speeds.is_empty())
+    }
+
+    /// Speeds between what was stopped, or got through, and the next run that does not tell, if these are not close.
+    fn beside(&self, shots: &[Shot], of: &Outcome) -> Option<Vec<f64>> {
+        let (least, most) = self.bounds();
+        let speeds = |of: &dyn Fn(&Outcome) -> bool| {
+            let found = shots.iter().filter(|shot| of(&shot.outcome)).map(|shot| shot.speed);
+            found.collect::<Vec<f64>>().into_iter()
+        };
+        let (told, open) = (speeds(&|outcome| outcome == of), speeds(&|outcome| !outcome.is_known()));
+        let (low, high) = match of {
+            Outcome::Through => {
+                let told = told.min_by(f64::total_cmp)?;
+                (open.filter(|speed| *speed < told).max_by(f64::total_cmp)?, told)
+            }
+            _ => {
+                let told = told.max_by(f64::total_cmp)?;
+                (told, open.filter(|speed| *speed > told).min_by(f64::total_cmp)?)
+            }
+        };
+        let (low, high) = (low.max(least), high.min(most));
+        if high - low <= self.within {
+            return None;
+        }
+        let count = self.count(high - low);
+        self.untried(shots, (low, high), (1..=count).map(|k| low + (high - low) * k as f64 / (count + 1) as f64))
     }
 
     /// A speed beside the limit of the curve, so that the next two runs may close the bracket. Every third run halves it whatever the curve says.
@@ -357,6 +422,10 @@ mod tests {
         assert_eq!([played(&search(), open(320.0)).1, played(&search(), open(150.0)).1], [End::Open, End::AllStopped]);
         let open = |speed: f64| if speed == 150.0 { Outcome::Failed } else { Outcome::Through };
         assert_eq!(played(&search(), open).1, End::Open);
+        // How near to it all is stopped, or gets through, is found out.
+        let (shots, ..) = played(&search(), open);
+        let through = shots.iter().filter(|shot| shot.outcome == Outcome::Through).map(|shot| shot.speed);
+        assert!(through.fold(f64::INFINITY, f64::min) <= 152.0, "{shots:?}");
         // Only one of them is given: the other side is free.
         let to = Search { from: None, ..search() };
         assert_eq!(played(&to, at(400.0)).1, End::AllStopped);
@@ -395,6 +464,53 @@ mod tests {
         let free = Search { from: None, to: None, ..search() };
         let (shots, end, _) = played(&free, |speed| if speed < 290.0 { Outcome::Failed } else { Outcome::Through });
         assert!(end == End::Open && shots.len() == 1 + MOST_OPEN, "{shots:?}");
+    }
+
+    #[test]
+    fn a_limit_is_bracketed_where_one_of_the_bounds_does_not_tell() {
+        for at_once in [1, 3] {
+            let search = Search { at_once, ..search() };
+            for (of, limit) in [(150.0, 161.0), (150.0, 310.0), (320.0, 161.0), (320.0, 310.0)] {
+                let (shots, end, _) = played(&search, |speed: f64| match speed == of {
+                    true => Outcome::Open("has not struck".into()),
+                    false => at(limit)(speed),
+                });
+                let bracket = Bracket::of(&shots).unwrap();
+                assert!(end == End::Found && bracket.stopped <= limit && limit < bracket.through, "{of} {shots:?}");
+            }
+        }
+        // Slow ones do not arrive: towards what tells, and no further than as many as may be open.
+        let of = |speed: f64| if speed < 240.0 { Outcome::Open("has not struck".into()) } else { at(260.0)(speed) };
+        let (shots, end, _) = played(&search(), of);
+        assert!(end == End::Found && shots[2].speed == 235.0 && shots[3].speed > 240.0, "{shots:?}");
+        let of = |speed: f64| if speed < 315.0 { Outcome::Failed } else { Outcome::Through };
+        let (shots, end, _) = played(&search(), of);
+        assert!(end == End::Open && shots.len() == 1 + MOST_OPEN, "{shots:?}");
+    }
+
+    #[test]
+    fn runs_that_were_there_count_and_nothing_is_run_beyond_the_bounds() {
+        let there =
+            |speeds: &[f64], limit: f64| speeds.iter().map(|speed| shot(*speed, at(limit)(*speed))).collect::<Vec<_>>();
+        // Only what is missing of the bounds, then between what is there.
+        let known = there(&[180.0, 190.0], 184.5);
+        assert_eq!(search().next(&known), Next::Run(vec![150.0, 320.0]));
+        let Next::Run(speeds) = search().next(&there(&[150.0, 180.0, 190.0, 320.0], 184.5)) else { panic!() };
+        assert!(speeds.iter().all(|speed| (180.0..190.0).contains(speed)), "{speeds:?}");
+        assert_eq!(search().next(&there(&[150.0, 183.5, 185.5, 320.0], 184.5)), Next::End(End::Found));
+        // However many they are, the bounds are run.
+        let few = Search { runs: 2, ..search() };
+        assert_eq!(few.next(&known), Next::Run(vec![150.0, 320.0]));
+        assert_eq!(few.next(&there(&[150.0, 180.0, 190.0, 320.0], 184.5)), Next::End(End::RunsUsed));
+        // They bracket it beyond a bound, or beside one that does not tell.
+        for (limit, low, high) in [(130.0, 100.0, 140.0), (340.0, 330.0, 350.0)] {
+            let known = there(&[low, high, 150.0, 320.0], limit);
+            assert_eq!(search().next(&known), Next::End(End::Outside), "{known:?}");
+        }
+        let mut known = there(&[50.0, 200.0, 320.0], 184.5);
+        known.push(shot(150.0, Outcome::Failed));
+        let Next::Run(speeds) = search().next(&known) else { panic!() };
+        assert!(speeds.iter().all(|speed| (150.0..200.0).contains(speed)), "{speeds:?}");
     }
 
     #[test]
