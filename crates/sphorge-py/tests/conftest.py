@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import re
+import signal
 
 import pytest
 
 import sphorge as sp
+
+# A shell lets its jobs in the background ignore Ctrl-C, and so would what the tests start and interrupt.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 #: A plate on a wall: 190 particles, some thirty steps.
 PLATE = {

@@ -220,7 +220,7 @@ def test_what_is_wrong_with_a_ballistic_limit_is_told_before_the_first_run(here,
     strip = sp.Deck(STRIP, name="strip")
     for error, told, wrong in [
         (sp.SphorgeError, "not above zero", {"between": (-3.0, None)}),
-        (sp.SphorgeError, "below", {"between": (300.0, 200.0)}),
+        (sp.SphorgeError, "goes from 300 m/s to 200 m/s", {"between": (300.0, 200.0)}),
         (sp.SphorgeError, "a length", {"within": "3 mm"}),
         (sp.SphorgeError, "no body `punsh`", {"body": "punsh"}),
         (sp.SphorgeError, "has no velocity", {"body": ["strip"]}),
