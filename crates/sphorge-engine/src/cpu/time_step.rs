@@ -79,7 +79,7 @@ fn limits_of_block(model: &Model, p: &Particles, instructions: Instructions, b: 
 
 /// The smallest limit of all particles, walls and contacts; `contact` is the limit of the contact between bodies, s.
 pub(super) fn limit(model: &Model, p: &Particles, contact: Option<f64>, instructions: Instructions) -> TimeStepLimit {
-    let courant = model.time.courant;
+    let courant = model.time.courant_of_contacts();
     let of_block = |b| limits_of_block(model, p, instructions, b);
     // A minimum does not depend on the order.
     let (by_sound, by_acceleration) = (0..p.len().div_ceil(BLOCK))
@@ -105,5 +105,8 @@ fn wall_limit(model: &Model, contact: &WallContact) -> Option<TimeStepLimit> {
         .iter()
         .map(|b| model.materials[b.material].equation_of_state.reference_sound_speed() / b.spacing)
         .fold(0.0, f64::max);
-    Some(TimeStepLimit { dt: penalty_limit(stiffness, fastest, model.time.courant), reason: LimitReason::Contact })
+    Some(TimeStepLimit {
+        dt: penalty_limit(stiffness, fastest, model.time.courant_of_contacts()),
+        reason: LimitReason::Contact,
+    })
 }

@@ -253,8 +253,9 @@ impl Engine for GpuEngine {
         let limit = |dt, reason| TimeStepLimit { dt, reason };
         let mut least = limit(by_sound, LimitReason::SoundSpeed).min(limit(by_acceleration, LimitReason::Acceleration));
         least = least.min(conduction);
+        let courant = self.model.time.courant_of_contacts();
         if self.model.has_contact() {
-            least = least.min(limit(self.model.time.courant * by_contact, LimitReason::Contact));
+            least = least.min(limit(courant * by_contact, LimitReason::Contact));
         }
         let rate = |b: &sphorge_engine::model::Body| {
             self.model.materials[b.material].equation_of_state.reference_sound_speed() / b.spacing
@@ -262,7 +263,7 @@ impl Engine for GpuEngine {
         let fastest = self.model.bodies.iter().map(rate).fold(0.0, f64::max);
         for wall in &self.model.walls {
             if let WallContact::Penalty { stiffness, .. } = wall.contact {
-                let of_wall = penalty_limit(stiffness, fastest, self.model.time.courant);
+                let of_wall = penalty_limit(stiffness, fastest, courant);
                 least = least.min(limit(of_wall, LimitReason::Contact));
             }
         }
