@@ -95,6 +95,12 @@ DECKS = {
     "two-materials": (1.0, (-0.7,)),
     "convecting-block": (40.0, (3.1, 9.2), "particles.spacing=4e-3"),
     "block": (25e-6, (3, 5, 9), "particles.spacing=5.8e-3"),
+    "failure-strains": (80e-6, (0.2, 0.7, 0.3)),
+    "weldox-tension": (0.05e-3, (3.1, 0.3, 0.8)),
+    "notched-bars": (0.03e-3, (0.6, 1.2, 2.1), "particles.spacing=1e-3"),
+    "spall": (1.6e-6, (2.3,), "particles.spacing=0.1e-3"),
+    "taylor-fracture": (25e-6, (0.7, 1.6, 1.2), "particles.spacing=1.27e-3"),
+    "crack-energy": (20e-6, (0.3, 3.1), "particles.spacing=0.5e-3"),
 }
 
 # Variants: a deck or another variant, and overrides.
