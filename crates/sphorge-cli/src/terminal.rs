@@ -85,6 +85,12 @@ pub(crate) fn path(path: &Path) -> String {
     one_line(&path.display().to_string())
 }
 
+/// A path in a command that can be pasted into a shell: quoted where the shell would read it as anything else.
+pub(crate) fn path_in_command(path: &Path) -> String {
+    let shown = self::path(path);
+    shlex::try_quote(&shown).map_or_else(|_| shown.clone(), |quoted| quoted.into_owned())
+}
+
 /// How miette shows diagnostics: lines are broken at spaces alone, so that keys and paths can be copied. A path that is longer than a line stands out of it.
 fn options() -> MietteHandlerOpts {
     MietteHandlerOpts::new()

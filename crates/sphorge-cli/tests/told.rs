@@ -23,6 +23,25 @@ fn a_quiet_run_prints_nothing_and_one_with_json_its_summary() {
 }
 
 #[test]
+fn commands_that_are_printed_can_be_pasted_into_a_shell() {
+    let place = Place::new();
+    let steps = ["--set", "time.max-steps=2"];
+    let run = |folder| place.run(&[&["run", "plate.toml", "-o", folder][..], &steps].concat()).expect_code(0);
+    for (folder, quoted) in
+        [("my run & <b> Größe", "'my run & <b> Größe'"), ("it's", "\"it's\""), ("plain/run-1", "plain/run-1")]
+    {
+        let printed = run(folder).out;
+        let files = format!("{folder}: summary.json");
+        for text in [files, format!("sphorge plot {quoted}\n")] {
+            assert!(printed.contains(&text), "`{text}` is not in:\n{printed}");
+        }
+        let fields = quoted.trim_end_matches(['\'', '"']).to_owned() + "/fields.pvd";
+        assert!(printed.contains(&format!("paraview {fields}")), "{printed}");
+    }
+    place.run(&["man", "runn"]).expect_code(2).expect_told(&["did you mean `run`?"]);
+}
+
+#[test]
 #[cfg(unix)]
 fn no_text_of_a_user_colours_or_moves_the_cursor() {
     let place = Place::new();

@@ -8,6 +8,7 @@ use crate::{
 use clap::{Args, CommandFactory};
 use clap_mangen::Man;
 use miette::{IntoDiagnostic, WrapErr};
+use sphorge::deck::{did_you_mean, names_like};
 
 /// Arguments of `man`.
 #[derive(Debug, Args)]
@@ -33,7 +34,9 @@ pub(crate) fn execute(arguments: ManArguments) -> Ending {
         Some(name) => {
             let found = program.find_subcommand(name).cloned();
             found.ok_or_else(|| {
-                Failure::bad_input(format!("there is no command `{name}`"), "`sphorge --help` lists the commands")
+                let like = did_you_mean(names_like(name, program.get_subcommands().map(clap::Command::get_name)));
+                let help = format!("{like}`sphorge --help` lists the commands");
+                Failure::bad_input(format!("there is no command `{name}`"), help)
             })?
         }
     };

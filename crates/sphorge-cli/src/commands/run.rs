@@ -218,9 +218,10 @@ pub fn report(summary: &Summary) -> String {
 /// The same with where its files are and what can be done with them.
 fn report_with_files(summary: &Summary, directory: &Path) -> String {
     let mut facts = facts(summary);
-    let folder = terminal::path(directory);
-    facts.push(("files", format!("{folder}: summary.json, history.csv, deck.toml, fields/")));
-    facts.push(("in ParaView", format!("paraview {folder}/fields.pvd")));
+    let folder = terminal::path_in_command(directory);
+    facts.push(("files", format!("{}: summary.json, history.csv, deck.toml, fields/", terminal::path(directory))));
+    let fields = terminal::path_in_command(&directory.join("fields.pvd"));
+    facts.push(("in ParaView", format!("paraview {fields}")));
     facts.push(("pictures", format!("sphorge plot {folder}")));
     // What a program drove does not go on without it.
     let can_go_on = summary.status == Status::Stopped && summary.driven.is_none();
