@@ -98,7 +98,22 @@ impl Ranks {
         self.begin(to, lengths)?.finish()
     }
 
-    /// The same without waiting. Nothing else is exchanged until it is finished.
+    /// Sends any number of values to every other rank; returns those from each.
+    ///
+    /// # Errors
+    /// See [`Self::exchange`].
+    pub(crate) fn exchange_values<V: Fixed>(&self, to: &[Vec<V>]) -> Result<Vec<Vec<V>>, RunFailure> {
+        let counts = self.to_others(to.iter().map(|values| encoded(&[values.len()])).collect());
+        let one_each = self.lengths(&vec![1; self.size()], usize::SIZE, |_| true);
+        let mut lengths = Vec::with_capacity(self.size());
+        for bytes in self.exchange(counts, &one_each)? {
+            lengths.push(decoded::<usize>(&bytes)?.iter().sum::<usize>() * V::SIZE);
+        }
+        let values = self.to_others(to.iter().map(|values| encoded(values)).collect());
+        self.exchange(values, &lengths)?.iter().map(|bytes| decoded(bytes)).collect()
+    }
+
+    /// An [exchange](Self::exchange) without waiting. Nothing else is exchanged until it is finished.
     ///
     /// # Errors
     /// See [`Self::exchange`].

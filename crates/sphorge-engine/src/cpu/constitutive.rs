@@ -587,7 +587,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let (p, records) = (&self.particles, &self.records.force);
         let stress = |i: usize| total_first_piola(stress_of(&records[i]), &p.deformation[i], &p.face_stress[i]);
         let how = (self.instructions, super::dimension(&self.model));
-        face_sums.transpose(p.len(), stress, how, |i| p.mass[i] / p.reference_volume[i]);
+        face_sums.transpose(stress, how, |i| p.mass[i] / p.reference_volume[i]);
         let stresses = face_sums.stresses();
         self.records.corrected[..p.len()].par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(i, record)| {
             let own = tensor::plus(&stresses[i], 1.0, &p.spring_moment[i]);

@@ -118,15 +118,6 @@ impl PartKind for Cpu {
         "cpu-ranks"
     }
 
-    fn supports_in_parts(&self, model: &Model) -> Result<(), Unsupported> {
-        if model.formulation.is_quadratic_at_faces() {
-            let what = "gradients that are exact for quadratic fields at faces, on several ranks".to_owned();
-            let help = "run it in one process, or leave out `search.total-lagrangian.faces`".to_owned();
-            return Err(Unsupported { what, help });
-        }
-        Ok(())
-    }
-
     fn start_part(
         &self,
         model: Arc<Model>,
@@ -372,8 +363,9 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn inner_kinematics(&mut self) -> Result<(), RunFailure> {
-        // The gradient correction of the reference configuration reads ghosts.
-        if self.begins_inside() && (self.reference_corrected || !self.formulation.is_initial()) {
+        // The gradient correction of the reference configuration and the terms of faces read ghosts.
+        let is_known = self.reference_corrected && self.face_sums.as_ref().is_none_or(FaceSums::is_known);
+        if self.begins_inside() && (is_known || !self.formulation.is_initial()) {
             self.sum_inside(|engine, rows| engine.formulation.kinematics(engine, rows));
         }
         Ok(())

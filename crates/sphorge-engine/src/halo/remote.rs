@@ -4,7 +4,7 @@ use super::images::reflect;
 use super::{GhostColumn, Halo, Image, Images, Incoming, Outgoing, bytes};
 use crate::RunFailure;
 use crate::persist::{Archive, ArchiveError, Fixed};
-use crate::ranks::{Ranks, decoded, encoded};
+use crate::ranks::Ranks;
 use sphorge_physics::Vector;
 
 /// Ghosts: particles of other ranks in the common order, so that those of one rank are contiguous, followed by images.
@@ -50,29 +50,33 @@ impl Remote {
     /// A rank is lost.
     pub(crate) fn with(mut self, places: Vec<u32>, images: Vec<Image>) -> Result<Self, RunFailure> {
         let (rank, size) = (self.ranks.rank(), self.ranks.size());
-        let wanted: Vec<Vec<u8>> = (0..size).map(|r| encoded(&places[self.of_rank(&places, r)])).collect();
-        self.filled_by = (0..size).map(|r| self.of_rank(&places, r).len()).collect();
-        // Numbers that this rank requests from each, and each from this one.
-        let counts = self.filled_by.iter().map(|&count| encoded(&[count])).collect::<Vec<_>>();
-        let mut lengths = vec![usize::SIZE; size];
-        lengths[rank] = 0;
-        let mut lengths_of = self.ranks.exchange(counts, &lengths)?;
-        lengths_of[rank] = encoded(&[0usize]);
-        let mut lengths = Vec::with_capacity(size);
-        for bytes in &lengths_of {
-            lengths.push(decoded::<usize>(bytes)?.iter().sum::<usize>() * u32::SIZE);
-        }
-        let asked = self.ranks.exchange(wanted, &lengths)?;
+        let wanted: Vec<Vec<u32>> = (0..size).map(|r| places[self.of_rank(&places, r)].to_vec()).collect();
+        self.filled_by = wanted.iter().map(Vec::len).collect();
+        let asked = self.ranks.exchange_values(&wanted)?;
         let own = self.starts[rank];
         self.read_by.clear();
-        for bytes in asked {
-            self.read_by.push(decoded::<u32>(&bytes)?.into_iter().map(|place| place - own as u32).collect());
+        for places in asked {
+            self.read_by.push(places.into_iter().map(|place| place - own as u32).collect());
         }
         (self.places, self.images) = (places, images);
         let first = self.own_count() as u32;
         self.sources = (first..first + self.places.len() as u32).collect();
         self.sources.extend(self.images.iter().map(|image| image.source));
         Ok(self)
+    }
+
+    /// Particles of this rank that others read, each as often as there are such ranks.
+    pub(crate) fn read(&self) -> impl Iterator<Item = u32> {
+        self.read_by.iter().flatten().copied()
+    }
+
+    /// Values of the ghosts that are not images, from what `of` is of the particles of their ranks.
+    ///
+    /// # Errors
+    /// A rank is lost.
+    pub(crate) fn values<V: Fixed>(&self, of: impl Fn(u32) -> V) -> Result<Vec<V>, RunFailure> {
+        let to: Vec<Vec<V>> = self.read_by.iter().map(|read| read.iter().map(|&i| of(i)).collect()).collect();
+        Ok(self.ranks.exchange_values(&to)?.into_iter().flatten().collect())
     }
 
     /// Particles of this rank.

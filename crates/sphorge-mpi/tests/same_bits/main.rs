@@ -4,6 +4,7 @@ mod adaptive;
 mod audits;
 mod balance;
 mod contact;
+mod faces;
 mod heat;
 mod inner;
 mod messages;
@@ -244,13 +245,6 @@ fn too_few_particles_for_the_ranks_are_refused() {
         .map(|files| files.len())
         .unwrap_err();
     assert!(message.contains("are too few for 2 ranks") && message.contains("use `--ranks 1`"), "{message}");
-}
-
-#[test]
-fn quadratic_gradients_at_faces_are_refused() {
-    let faces = ("search", "{ total-lagrangian = { faces = \"quadratic\" } }");
-    let message = try_run_on_ranks(IN_THE_INITIAL_CONFIGURATION, &[faces], 2, 1).map(|files| files.len()).unwrap_err();
-    assert!(message.contains("quadratic") && message.contains("ranks"), "{message}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use super::adaptive::{COARSE, GUARDED, PUBLISHED};
 use super::contact::CLAMP;
+use super::faces::{APART, QUADRATIC};
 use super::symmetry::CORNER;
 use super::{IN_THE_INITIAL_CONFIGURATION, led, setup};
 use sphorge::engine::persist::{Archive, ArchiveError, ByteCount, MemoryArchive};
@@ -22,7 +23,7 @@ const FAST: [(&str, &str); 5] = [
     ("time.step-control.repeats", "0"),
 ];
 
-const DECKS: [Worked<'static>; 9] = [
+const DECKS: [Worked<'static>; 11] = [
     ("taylor-plate", &[("particles.spacing", "\"0.4 mm\"")], |l| vec![l.viscous_energy, l.artificial_stress_energy]),
     (IN_THE_INITIAL_CONFIGURATION, &[("time.step-control.stretch", "0.5")], |l| {
         vec![l.viscous_energy, l.hourglass_energy]
@@ -43,6 +44,10 @@ const DECKS: [Worked<'static>; 9] = [
     (CORNER, &[GUARDED, ("contact", "\"penalty\"")], |l| vec![l.contacts[0].damping_work]),
     ("bullet", &[COARSE[0], COARSE[1], PUBLISHED, ("audit", "11")], |l| vec![l.viscous_energy]),
     (CORNER, &[("search", "{ total-lagrangian = { form = \"frozen\" } }")], |l| vec![l.viscous_energy]),
+    (IN_THE_INITIAL_CONFIGURATION, &[("time.step-control.stretch", "0.5"), APART], |l| vec![l.hourglass_energy]),
+    (CLAMP, &[QUADRATIC, FAST[1], FAST[2], FAST[3], FAST[4]], |l| {
+        vec![l.contacts[0].damping_work, l.contacts[1].friction_work]
+    }),
 ];
 
 /// A state in memory whose values can be seen.

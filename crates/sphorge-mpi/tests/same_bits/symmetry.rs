@@ -63,7 +63,7 @@ fn a_corner_between_planes_in_the_present_configuration() {
 }
 
 /// A bar in the total Lagrangian form whose foot spreads along a plane of symmetry and meets its image again.
-const FOLDED: &str = r#"
+pub(super) const FOLDED: &str = r#"
 dimensions = "plane-strain"
 particles = { spacing = "0.5 mm" }
 
