@@ -102,7 +102,7 @@ words! {
     }
     FaceGradientsWord, "gradients at faces", FaceGradients {
         "linear" => FaceGradients::Linear, "exact for linear fields";
-        "quadratic" => FaceGradients::Quadratic, "exact for quadratic fields, as inside a body: metal that yields in bending sees no false change of volume at its faces; on processors alone";
+        "quadratic" => FaceGradients::Quadratic, "exact for quadratic fields, as inside a body: metal that yields in bending sees no false change of volume at its faces; not on several cards";
     }
     MethodWord, "method", Method {
         "total-lagrangian" => Method::TotalLagrangian, "sums over the initial neighbours, without numerical fracture up to a stretch of 16, or 4 where a body is liquid; penalty contact of bodies with walls, each other and themselves; leapfrog";

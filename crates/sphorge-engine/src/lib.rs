@@ -27,8 +27,8 @@ mod step;
 
 pub use contact_laws::ContactLaws;
 pub use cpu::{
-    AuditedRow, ConductionTable, ContactCandidates, Cpu, SearchedMaterial, audit_of, check_values,
-    complete_initial_state, heat_of_released, largest_change,
+    AuditedRow, ConductionTable, ContactCandidates, Cpu, FaceConfiguration, FaceNeighbor, FaceTerm, FaceTerms,
+    SearchedMaterial, audit_of, check_values, complete_initial_state, face_terms, heat_of_released, largest_change,
 };
 pub use drive::Drive;
 pub use engine::{Engine, EngineKind, InPieces, Part, PartKind, SearchReport, TimeStepLimit, Unsupported};

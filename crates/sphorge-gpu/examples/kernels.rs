@@ -4,10 +4,12 @@ use sphorge_deck::{decks, load_text};
 use std::{error::Error, fs, path::PathBuf};
 
 /// Decks with all there is, and what to change in them.
-const DECKS: [(&str, &[(&str, &str)]); 20] = [
+const DECKS: [(&str, &[(&str, &str)]); 22] = [
     ("taylor-plate", &[("numerics.viscosity.balsara", "true")]),
     ("taylor-bar", &[("method", "\"patino\""), ("particles.spacing", "\"1.2 mm\"")]),
     ("iron-plate", &[("search.total-lagrangian.renewal", "1.5")]),
+    ("iron-plate", &[("search.total-lagrangian.faces", "\"quadratic\""), ("search.total-lagrangian.renewal", "1.5")]),
+    ("copper-bar", &[("search.total-lagrangian.faces", "\"quadratic\"")]),
     ("plate-impact", &[("method", "\"patino\""), ("numerics.gradient-correction", "\"none\"")]),
     ("oscillating-plate", &[]),
     ("high-shear", &[]),

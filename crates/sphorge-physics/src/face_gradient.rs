@@ -27,10 +27,10 @@
 //! weights of the kernel gradient.
 
 use crate::tensor::inverse;
-use crate::{Dimension, Tensor, Vector};
+use crate::{Dimension, Real, Tensor, Vector};
 
 /// A tensor of third order; the last index is that of the slope or of the fit.
-pub type ThirdOrder = [[[f64; 3]; 3]; 3];
+pub type ThirdOrder<T = f64> = [[[T; 3]; 3]; 3];
 
 /// Largest component of `T` over the smoothing length that is none of a face. In a lattice with smoothing 1.1 it is 0.87 in the
 /// outermost layer, 0.032 in the one below and 0 further inside.
@@ -204,7 +204,12 @@ fn principal_axes(mut m: [[f64; 6]; 6], n: usize) -> ([f64; 6], [[f64; 6]; 6]) {
 
 /// `Q_i`, `[a][c][d]`, a neighbour at a time: `(G_j - G_i) ⊗ q_ij`.
 #[inline(always)]
-pub fn add_difference<const D: usize>(sum: &mut ThirdOrder, own: &Tensor<f64>, other: &Tensor<f64>, q: &Vector<f64>) {
+pub fn add_difference<T: Real, const D: usize>(
+    sum: &mut ThirdOrder<T>,
+    own: &Tensor<T>,
+    other: &Tensor<T>,
+    q: &Vector<T>,
+) {
     for a in 0..D {
         for c in 0..D {
             let difference = other[a][c] - own[a][c];
@@ -217,8 +222,8 @@ pub fn add_difference<const D: usize>(sum: &mut ThirdOrder, own: &Tensor<f64>, o
 
 /// `E_i = K_i : Q_i`.
 #[inline(always)]
-pub fn excess<const D: usize>(k: &ThirdOrder, sum: &ThirdOrder) -> Tensor<f64> {
-    let mut excess = [[0.0; 3]; 3];
+pub fn excess<T: Real, const D: usize>(k: &ThirdOrder<T>, sum: &ThirdOrder<T>) -> Tensor<T> {
+    let mut excess = [[T::zero(); 3]; 3];
     for a in 0..D {
         for b in 0..D {
             for c in 0..D {
@@ -233,8 +238,8 @@ pub fn excess<const D: usize>(k: &ThirdOrder, sum: &ThirdOrder) -> Tensor<f64> {
 
 /// `R_i = P_i : K_i`, `[a][c][d]`.
 #[inline(always)]
-pub fn spread<const D: usize>(p: &Tensor<f64>, k: &ThirdOrder) -> ThirdOrder {
-    let mut spread = [[[0.0; 3]; 3]; 3];
+pub fn spread<T: Real, const D: usize>(p: &Tensor<T>, k: &ThirdOrder<T>) -> ThirdOrder<T> {
+    let mut spread = [[[T::zero(); 3]; 3]; 3];
     for a in 0..D {
         for b in 0..D {
             for c in 0..D {
@@ -249,8 +254,8 @@ pub fn spread<const D: usize>(p: &Tensor<f64>, k: &ThirdOrder) -> ThirdOrder {
 
 /// `R . q`.
 #[inline(always)]
-pub fn along<const D: usize>(spread: &ThirdOrder, q: &Vector<f64>) -> Tensor<f64> {
-    let mut stress = [[0.0; 3]; 3];
+pub fn along<T: Real, const D: usize>(spread: &ThirdOrder<T>, q: &Vector<T>) -> Tensor<T> {
+    let mut stress = [[T::zero(); 3]; 3];
     for a in 0..D {
         for c in 0..D {
             for e in 0..D {
@@ -259,6 +264,18 @@ pub fn along<const D: usize>(spread: &ThirdOrder, q: &Vector<f64>) -> Tensor<f64
         }
     }
     stress
+}
+
+/// `P : E`, Pa/s: the power of a stress, Pa, at a rate of deformation, 1/s.
+#[inline(always)]
+pub fn power<T: Real, const D: usize>(p: &Tensor<T>, rate: &Tensor<T>) -> T {
+    let mut sum = T::zero();
+    for k in 0..D {
+        for l in 0..D {
+            sum += p[k][l] * rate[k][l];
+        }
+    }
+    sum
 }
 
 #[cfg(test)]
@@ -343,9 +360,9 @@ mod tests {
                 Some((q, k)) => {
                     let mut sum = [[[0.0; 3]; 3]; 3];
                     for ((j, _), q) in self.slopes[i].iter().zip(q) {
-                        add_difference::<3>(&mut sum, &g[i], &g[*j], q);
+                        add_difference::<f64, 3>(&mut sum, &g[i], &g[*j], q);
                     }
-                    plus(&g[i], -1.0, &excess::<3>(k, &sum))
+                    plus(&g[i], -1.0, &excess::<f64, 3>(k, &sum))
                 }
             };
             (0..g.len()).map(of).collect()
@@ -356,9 +373,9 @@ mod tests {
             let mut of = p.to_vec();
             for (i, face) in self.faces.iter().enumerate() {
                 let Some((q, k)) = face else { continue };
-                let r = spread::<3>(&p[i], k);
+                let r = spread::<f64, 3>(&p[i], k);
                 for ((j, _), q) in self.slopes[i].iter().zip(q) {
-                    let along = along::<3>(&r, q);
+                    let along = along::<f64, 3>(&r, q);
                     of[i] = plus(&of[i], 1.0, &along);
                     of[*j] = plus(&of[*j], -self.cloud.volume[i] / self.cloud.volume[*j], &along);
                 }

@@ -7,6 +7,8 @@
 
 mod found;
 
+pub use found::{FaceConfiguration, FaceNeighbor, face_terms};
+
 use super::sweeps::dispatch_dimension;
 use crate::halo::{self, Exchanged, GhostColumn, Halo, Remote};
 use crate::lanes::{Instructions, Job, Lanes, run};
@@ -14,7 +16,7 @@ use crate::model::Model;
 use crate::neighbors::BLOCK;
 use rayon::prelude::*;
 use smallvec::smallvec;
-use sphorge_physics::face_gradient::{ThirdOrder, add_difference, along, excess, spread};
+use sphorge_physics::face_gradient::{ThirdOrder, add_difference, along, excess, power as power_of, spread};
 use sphorge_physics::tensor::plus;
 use sphorge_physics::{Dimension, Tensor, Vector};
 
@@ -22,17 +24,17 @@ use sphorge_physics::{Dimension, Tensor, Vector};
 const AT_ONCE: usize = 64;
 
 /// A term of a sum: a neighbour at a face, or of one.
-#[derive(Clone, Copy)]
-struct Term {
+#[derive(Clone, Copy, Debug)]
+pub struct FaceTerm {
     /// Index of the particle, or of the face.
-    other: u32,
+    pub other: u32,
     /// Axes along which it is an image of that.
-    mirrored: [bool; 3],
+    pub mirrored: [bool; 3],
     /// `q_ij`, 1/m; of the transpose `V_j/V_i q_ji`.
-    q: Vector<f64>,
+    pub q: Vector<f64>,
 }
 
-impl Term {
+impl FaceTerm {
     /// A tensor of the particle as that of the image.
     #[inline(always)]
     fn seen(&self, tensor: &Tensor<f64>) -> Tensor<f64> {
@@ -50,6 +52,45 @@ impl Term {
     }
 }
 
+/// The terms of the particles at faces and of those near them.
+#[derive(Debug, Default)]
+pub struct FaceTerms {
+    /// Particles at faces, ascending; on ranks behind them faces of other ranks, numbered after the particles.
+    pub faces: Vec<u32>,
+    /// `K_i` of each, m.
+    pub contraction: Vec<ThirdOrder>,
+    /// `sum_j q_ij` of those of this process, 1/m.
+    pub whole: Vec<Vector<f64>>,
+    /// First term of each of these, and the number of all.
+    pub starts: Vec<u32>,
+    /// Their neighbours.
+    pub terms: Vec<FaceTerm>,
+    /// Particles of this process at faces and neighbours of faces, ascending.
+    pub near: Vec<u32>,
+    /// First term of each, and the number of all.
+    pub near_starts: Vec<u32>,
+    /// The faces they are neighbours of.
+    pub near_terms: Vec<FaceTerm>,
+    /// Index among the faces of those that are at one.
+    pub face_of_near: Vec<Option<u32>>,
+}
+
+impl FaceTerms {
+    fn of_face(&self, face: usize) -> &[FaceTerm] {
+        &self.terms[self.starts[face] as usize..self.starts[face + 1] as usize]
+    }
+
+    fn of_near(&self, n: usize) -> &[FaceTerm] {
+        &self.near_terms[self.near_starts[n] as usize..self.near_starts[n + 1] as usize]
+    }
+
+    fn bytes(&self) -> usize {
+        size_of::<FaceTerm>() * (self.terms.capacity() + self.near_terms.capacity())
+            + size_of::<ThirdOrder>() * self.contraction.capacity()
+            + size_of::<Vector<f64>>() * self.whole.capacity()
+    }
+}
+
 /// What is read of other ranks.
 struct Others {
     neighbors: Remote,
@@ -62,7 +103,7 @@ fn receive(from: &Remote, tensors: &mut [Tensor<f64>], count: usize) {
     halo::fill(smallvec![Exchanged { halo: from, columns: smallvec![GhostColumn::Tensor(own, ghosts)] }]);
 }
 
-/// Terms of the particles at faces and of those near them.
+/// The sums of the particles at faces and of those near them.
 #[derive(Default)]
 pub(super) struct FaceSums {
     /// Whether they belong to the present reference configuration.
@@ -71,21 +112,7 @@ pub(super) struct FaceSums {
     count: usize,
     /// Particles of other ranks whose sums faces here read, and faces of other ranks whose stresses particles here read.
     others: Option<Others>,
-    /// Particles at faces, ascending; behind them faces of other ranks, numbered after the particles.
-    faces: Vec<u32>,
-    /// `K_i` of each, m.
-    contraction: Vec<ThirdOrder>,
-    /// `sum_j q_ij` of those of this process, 1/m.
-    whole: Vec<Vector<f64>>,
-    /// First term of each of these, and the number of all.
-    starts: Vec<u32>,
-    terms: Vec<Term>,
-    /// Particles of this process at faces and neighbours of faces, ascending; terms of each, of the faces they are neighbours of.
-    near: Vec<u32>,
-    near_starts: Vec<u32>,
-    near_terms: Vec<Term>,
-    /// Index among the faces of those that are at one.
-    face_of_near: Vec<Option<u32>>,
+    of: FaceTerms,
     /// Whether blocks have particles at faces, and near them.
     has_faces: Vec<bool>,
     is_near: Vec<bool>,
@@ -137,8 +164,9 @@ impl FaceSums {
         let end = (first + BLOCK).min(self.count);
         rates[..end - first].copy_from_slice(&self.linear[first..end]);
         *taken = [[[0.0; 3]; 3]; BLOCK];
-        let from = self.faces.partition_point(|&i| (i as usize) < first);
-        for (face, &i) in self.faces.iter().enumerate().skip(from).take_while(|(_, i)| (**i as usize) < end) {
+        let faces = &self.of.faces;
+        let from = faces.partition_point(|&i| (i as usize) < first);
+        for (face, &i) in faces.iter().enumerate().skip(from).take_while(|(_, i)| (**i as usize) < end) {
             let k = i as usize - first;
             taken[k] = self.excess[face];
             rates[k] = plus(&rates[k], -1.0, &taken[k]);
@@ -152,7 +180,7 @@ impl FaceSums {
         particles: impl Iterator<Item = usize>,
         linear: impl Fn(usize) -> Tensor<f64> + Sync,
     ) {
-        let Self { count, others, faces, starts, terms, is_wanted, wanted, evaluated, .. } = self;
+        let Self { count, others, of, is_wanted, wanted, evaluated, .. } = self;
         let mut want = |i: usize| {
             if !std::mem::replace(&mut is_wanted[i], true) {
                 wanted.push(i as u32);
@@ -160,10 +188,8 @@ impl FaceSums {
         };
         for i in particles {
             want(i);
-            if let Ok(face) = faces.binary_search(&(i as u32)) {
-                terms[starts[face] as usize..starts[face + 1] as usize]
-                    .iter()
-                    .for_each(|term| want(term.other as usize));
+            if let Ok(face) = of.faces.binary_search(&(i as u32)) {
+                of.of_face(face).iter().for_each(|term| want(term.other as usize));
             }
         }
         // Which faces of other ranks meet something is not known here.
@@ -185,28 +211,25 @@ impl FaceSums {
     /// The rate of the deformation of a particle of the last [evaluation](Self::evaluate), 1/s.
     pub(super) fn evaluated_rate(&self, i: usize, dimension: Dimension) -> Tensor<f64> {
         let own = &self.evaluated[i];
-        let Ok(face) = self.faces.binary_search(&(i as u32)) else { return *own };
+        let Ok(face) = self.of.faces.binary_search(&(i as u32)) else { return *own };
         dispatch_dimension!(dimension, |D| {
             let mut sum = [[[0.0; 3]; 3]; 3];
-            for term in &self.terms[self.starts[face] as usize..self.starts[face + 1] as usize] {
-                add_difference::<D>(&mut sum, own, &term.seen(&self.evaluated[term.other as usize]), &term.q);
+            for term in self.of.of_face(face) {
+                add_difference::<f64, D>(&mut sum, own, &term.seen(&self.evaluated[term.other as usize]), &term.q);
             }
-            plus(own, -1.0, &excess::<D>(&self.contraction[face], &sum))
+            plus(own, -1.0, &excess::<f64, D>(&self.of.contraction[face], &sum))
         })
     }
 
     /// Finds what is to be taken from the sums of the faces.
     pub(super) fn find_excess(&mut self, instructions: Instructions, dimension: Dimension) {
-        let Self { count, others, contraction, starts, terms, linear, excess, faces, .. } = self;
+        let Self { count, others, of, linear, excess, .. } = self;
         if let Some(others) = others {
             receive(&others.neighbors, linear, *count);
         }
         excess.par_chunks_mut(AT_ONCE).enumerate().for_each(|(chunk, excess)| {
             let first = chunk * AT_ONCE;
-            dispatch_dimension!(dimension, |D| run(
-                instructions,
-                ExcessJob::<D> { first, contraction, starts, terms, linear, faces, excess }
-            ));
+            dispatch_dimension!(dimension, |D| run(instructions, ExcessJob::<D> { first, of, linear, excess }));
         });
     }
 
@@ -223,13 +246,10 @@ impl FaceSums {
         if let Some(others) = &self.others {
             receive(&others.faces, &mut self.stresses, self.count);
         }
-        let Self { faces, contraction, spread, stresses, .. } = self;
+        let Self { of, spread, stresses, .. } = self;
         spread.par_chunks_mut(AT_ONCE).enumerate().for_each(|(chunk, spread)| {
             let first = chunk * AT_ONCE;
-            dispatch_dimension!(dimension, |D| run(
-                instructions,
-                SpreadJob::<D> { first, faces, contraction, stresses, spread }
-            ));
+            dispatch_dimension!(dimension, |D| run(instructions, SpreadJob::<D> { first, of, stresses, spread }));
         });
         let mut shared = std::mem::take(&mut self.shared);
         let of = &*self;
@@ -237,10 +257,10 @@ impl FaceSums {
             let first = chunk * AT_ONCE;
             dispatch_dimension!(dimension, |D| run(instructions, ShareJob::<D> { first, of, shared }));
             for (n, (_, power)) in shared.iter_mut().enumerate() {
-                *power /= density(of.near[first + n] as usize);
+                *power /= density(of.of.near[first + n] as usize);
             }
         });
-        for (&i, (more, _)) in self.near.iter().zip(&shared) {
+        for (&i, (more, _)) in self.of.near.iter().zip(&shared) {
             let own = &mut self.stresses[i as usize];
             *own = plus(own, 1.0, more);
         }
@@ -254,31 +274,28 @@ impl FaceSums {
 
     /// Adds the energy that particles have of the stresses of others.
     pub(super) fn share_power(&self, energy_rate: &mut [f64]) {
-        for (&i, (_, power)) in self.near.iter().zip(&self.shared) {
+        for (&i, (_, power)) in self.of.near.iter().zip(&self.shared) {
             energy_rate[i as usize] += power;
         }
     }
 
     pub(super) fn bytes(&self) -> usize {
-        size_of::<Term>() * (self.terms.capacity() + self.near_terms.capacity())
-            + size_of::<ThirdOrder>() * (self.contraction.capacity() + self.spread.capacity())
+        self.of.bytes()
+            + size_of::<ThirdOrder>() * self.spread.capacity()
             + size_of::<Tensor<f64>>()
                 * (self.linear.capacity()
                     + self.evaluated.capacity()
                     + self.excess.capacity()
                     + self.stresses.capacity()
                     + self.shared.capacity())
-            + size_of::<Vector<f64>>() * self.whole.capacity()
             + self.others.as_ref().map_or(0, |others| others.neighbors.bytes() + others.faces.bytes())
     }
 }
 
+/// `E_i` of faces.
 struct ExcessJob<'a, const D: usize> {
     first: usize,
-    faces: &'a [u32],
-    contraction: &'a [ThirdOrder],
-    starts: &'a [u32],
-    terms: &'a [Term],
+    of: &'a FaceTerms,
     linear: &'a [Tensor<f64>],
     excess: &'a mut [Tensor<f64>],
 }
@@ -288,13 +305,13 @@ impl<const D: usize> Job<f64> for ExcessJob<'_, D> {
     fn run<L: Lanes<Element = f64>>(self) {
         for (n, result) in self.excess.iter_mut().enumerate() {
             let face = self.first + n;
-            let own = &self.linear[self.faces[face] as usize];
+            let own = &self.linear[self.of.faces[face] as usize];
             let mut sum = [[[0.0; 3]; 3]; 3];
-            for term in &self.terms[self.starts[face] as usize..self.starts[face + 1] as usize] {
+            for term in self.of.of_face(face) {
                 let other = term.seen(&self.linear[term.other as usize]);
-                add_difference::<D>(&mut sum, own, &other, &term.q);
+                add_difference::<f64, D>(&mut sum, own, &other, &term.q);
             }
-            *result = excess::<D>(&self.contraction[face], &sum);
+            *result = excess::<f64, D>(&self.of.contraction[face], &sum);
         }
     }
 }
@@ -302,8 +319,7 @@ impl<const D: usize> Job<f64> for ExcessJob<'_, D> {
 /// `R_i` of faces.
 struct SpreadJob<'a, const D: usize> {
     first: usize,
-    faces: &'a [u32],
-    contraction: &'a [ThirdOrder],
+    of: &'a FaceTerms,
     stresses: &'a [Tensor<f64>],
     spread: &'a mut [ThirdOrder],
 }
@@ -313,7 +329,7 @@ impl<const D: usize> Job<f64> for SpreadJob<'_, D> {
     fn run<L: Lanes<Element = f64>>(self) {
         for (n, result) in self.spread.iter_mut().enumerate() {
             let face = self.first + n;
-            *result = spread::<D>(&self.stresses[self.faces[face] as usize], &self.contraction[face]);
+            *result = spread::<f64, D>(&self.stresses[self.of.faces[face] as usize], &self.of.contraction[face]);
         }
     }
 }
@@ -328,39 +344,26 @@ struct ShareJob<'a, const D: usize> {
 impl<const D: usize> Job<f64> for ShareJob<'_, D> {
     #[inline(always)]
     fn run<L: Lanes<Element = f64>>(self) {
-        let FaceSums { near, near_starts, near_terms, face_of_near, whole, spread, stresses, linear, excess, .. } =
-            self.of;
+        let FaceSums { of, spread, stresses, linear, excess, .. } = self.of;
         for (n, shared) in self.shared.iter_mut().enumerate() {
             let n = self.first + n;
-            let i = near[n] as usize;
+            let i = of.near[n] as usize;
             let (mut more, mut power) = ([[0.0; 3]; 3], 0.0);
-            if let Some(face) = face_of_near[n] {
+            if let Some(face) = of.face_of_near[n] {
                 let face = face as usize;
-                more = along::<D>(&spread[face], &whole[face]);
-                power -= work::<D>(&stresses[i], &excess[face]);
+                more = along::<f64, D>(&spread[face], &of.whole[face]);
+                power -= power_of::<f64, D>(&stresses[i], &excess[face]);
             }
-            for term in &near_terms[near_starts[n] as usize..near_starts[n + 1] as usize] {
-                let stress = term.seen(&along::<D>(&spread[term.other as usize], &term.q));
+            for term in of.of_near(n) {
+                let stress = term.seen(&along::<f64, D>(&spread[term.other as usize], &term.q));
                 for a in 0..D {
                     for b in 0..D {
                         more[a][b] -= stress[a][b];
                     }
                 }
             }
-            power -= work::<D>(&more, &linear[i]);
+            power -= power_of::<f64, D>(&more, &linear[i]);
             *shared = (more, power);
         }
     }
-}
-
-/// `a : b`.
-#[inline(always)]
-fn work<const D: usize>(a: &Tensor<f64>, b: &Tensor<f64>) -> f64 {
-    let mut sum = 0.0;
-    for k in 0..D {
-        for l in 0..D {
-            sum += a[k][l] * b[k][l];
-        }
-    }
-    sum
 }

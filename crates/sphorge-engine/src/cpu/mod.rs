@@ -45,6 +45,7 @@ mod walls;
 
 pub use conduction_table::ConductionTable;
 pub use contact::heat_of_released;
+pub use face_sums::{FaceConfiguration, FaceNeighbor, FaceTerm, FaceTerms, face_terms};
 pub use guard::{check as check_values, largest_change};
 pub use initial::complete_initial_state;
 pub use search::{AuditedRow, ContactCandidates, SearchedMaterial, audit_of};

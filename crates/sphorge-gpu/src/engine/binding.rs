@@ -29,6 +29,8 @@ impl GpuEngine {
     pub(super) fn rebind(&mut self) -> Result<(), RunFailure> {
         let ghosts = self.domain.as_ref().map_or(0, Domain::ghosts);
         let surface = self.columns.array(Group::Surface).map_or(0, Array::count);
+        let [at_faces, near_faces] =
+            [Group::FaceParticles, Group::NearParticles].map(|group| self.columns.array(group).map_or(0, Array::count));
         let is_shared = self.domain.is_some();
         let bind = |planned: &Planned| {
             let (threads, runs_over_ghosts) = match planned.threads {
@@ -38,6 +40,8 @@ impl GpuEngine {
                 Threads::OfSurface if !self.model.has_faces() => (self.initial.len(), false),
                 Threads::OfSurface => (self.own_surface.len(), false),
                 Threads::OfSurfaceHere => (surface, true),
+                Threads::OfFaces => (at_faces, false),
+                Threads::NearFaces => (near_faces, false),
             };
             let launch = planned.kernel.bind(&self.card, &self.columns, threads).map_err(failure)?;
             let of = || Touched::of(&planned.kernel, self.stride, runs_over_ghosts);

@@ -291,12 +291,41 @@ impl Maker<'_> {
         Ok(())
     }
 
+    /// Terms of faces, whose memory is allocated when they are found.
+    fn faces(&mut self) -> Result<(), CardFault> {
+        let Self { card, model, stride, .. } = *self;
+        for group in [
+            Group::FaceParticles,
+            Group::FaceStarts,
+            Group::FaceEntries,
+            Group::FaceTerms,
+            Group::FaceTable,
+            Group::FaceSpread,
+            Group::NearParticles,
+            Group::NearStarts,
+            Group::NearEntries,
+            Group::NearTerms,
+            Group::NearFaces,
+        ] {
+            self.columns.insert(group, card.zeros(0)?);
+        }
+        if model.has_facets() {
+            self.columns.insert(Group::FaceRows, card.zeros(stride)?);
+            self.columns
+                .insert(Group::FaceEvaluated, card.zeros(<groups::FaceLinear<()> as Handles<()>>::LENGTH * stride)?);
+        }
+        Ok(())
+    }
+
     /// Lists, whose memory is allocated when it is known how much they need.
     fn lists(&mut self) -> Result<(), CardFault> {
         let Self { card, model, p, stride, .. } = *self;
         if model.is_total_lagrangian() {
             self.columns.insert(Group::ListStarts, card.zeros(p.len() + 1)?);
             self.columns.insert(Group::List, card.zeros(0)?);
+        }
+        if model.formulation.is_quadratic_at_faces() {
+            self.faces()?;
         }
         if model.numerics.mls_interval.is_some() {
             self.zeros::<groups::Restored<()>>()?;

@@ -38,7 +38,8 @@ impl GpuEngine {
             self.columns.insert(Group::List, self.card.zeros(capacity).map_err(failure)?);
             self.rebind()?;
         }
-        self.launch(Stage::FillLists)
+        self.launch(Stage::FillLists)?;
+        self.find_faces()
     }
 
     /// Start of the list of each particle, followed by the total number of neighbours.

@@ -29,7 +29,10 @@ fn bytes(model: &Model, count: usize, stride: usize, grid: &Grid) -> f64 {
     // Counts, starts and particles of cells, twice.
     let cells = 2 * grid.cells() + 3 * count;
     let sums = sums(model, count);
-    4.0 * ((columns * stride + cells + sums) as f64 + spare * neighbors * stride as f64)
+    // A neighbour and three numbers of each term, for faces and for their neighbours; a third of bodies of six layers is at faces, which have
+    // neighbours on one side.
+    let terms = if model.formulation.is_quadratic_at_faces() { 8.0 * 0.6 / 3.0 * neighbors } else { 0.0 };
+    4.0 * ((columns * stride + cells + sums) as f64 + (spare * neighbors + terms) * stride as f64)
 }
 
 /// Columns beside those of every model.
@@ -41,6 +44,9 @@ fn of_features(model: &Model) -> usize {
         + of(model.keeps_lists(), <groups::Rows<()> as Handles<()>>::LENGTH + <groups::SearchedAt<()> as Handles<()>>::LENGTH)
         // Marks, candidates and where they were found, and the correction of the strain.
         + of(model.adaptive_search().is_some(), 8 + <groups::StrainCorrection<()> as Handles<()>>::LENGTH)
+        // Tables of faces, and what is evaluated near them.
+        + of(model.formulation.is_quadratic_at_faces(), 20)
+        + of(model.formulation.is_quadratic_at_faces() && model.has_facets(), <groups::FaceLinear<()> as Handles<()>>::LENGTH + 1)
         // Bodies and motions, starts of lists, and what is reduced to a few rows.
         + 5
 }

@@ -7,6 +7,7 @@
 mod binding;
 mod columns;
 mod detached;
+mod face_terms;
 mod facets;
 mod heat;
 mod initial_columns;

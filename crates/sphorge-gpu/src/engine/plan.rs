@@ -6,7 +6,7 @@ use super::kernels::section::Through;
 use super::kernels::stress::StressOf;
 use super::kernels::sums::Partition;
 use super::kernels::{
-    audit, conduction, contact, facet_forces, facets, grid, leapfrog, ledger, limits, moving_least_squares,
+    audit, conduction, contact, face_sums, facet_forces, facets, grid, leapfrog, ledger, limits, moving_least_squares,
     pair_forces, pairs, predictor_corrector, reduce, reductions, reference, reference_forces, smoothing, stress, sums,
     verlet, walls, wrap,
 };
@@ -29,6 +29,9 @@ pub(super) enum Threads {
     /// One per surface particle, whose number is known when lists are built; and with ghosts among them.
     OfSurface,
     OfSurfaceHere,
+    /// One per particle at a face, or near one, whose number is known when lists are built.
+    OfFaces,
+    NearFaces,
 }
 
 /// Length of the columns, and whether they contain ghosts.
@@ -173,6 +176,11 @@ impl Planner<'_> {
         self.stages.push(stage, Planned { kernel, threads: Threads::OfSurface });
     }
 
+    /// Adds a kernel with a thread for every particle at a face, or near one.
+    fn add_near_faces(&mut self, stage: Stage, threads: Threads, kernel: Recording) {
+        self.stages.push(stage, Planned { kernel, threads });
+    }
+
     fn add_sorting(&mut self, stage: Stage, grid: &Grid, of: Sorted, threads: Threads) -> Result<(), KernelFault> {
         self.stages.extend(stage, sorting(grid, self.rows, of, threads)?);
         Ok(())
@@ -266,6 +274,14 @@ impl Planner<'_> {
         self.add(Stage::CountLists, in_dimension!(model, reference::count, model, grid, stride));
         self.add(Stage::FillLists, in_dimension!(model, reference::list, model, grid, stride));
         self.add(Stage::FillLists, in_dimension!(model, reference::correct, model, references, stride));
+        if model.formulation.is_quadratic_at_faces() {
+            self.add(Stage::Gradients, in_dimension!(model, face_sums::sum, model, stride));
+            self.add_near_faces(
+                Stage::Gradients,
+                Threads::OfFaces,
+                in_dimension!(model, face_sums::take, model, stride),
+            );
+        }
         self.add(Stage::Gradients, in_dimension!(model, reference::deform, model, (renewal, references), stride));
         Ok(())
     }
@@ -300,6 +316,10 @@ impl Planner<'_> {
         let Grids { of_kernels: grid, of_facets } = self.grids;
         let (meets, has_facets) = (model.has_contact(), model.has_facets());
         if has_facets {
+            if model.formulation.is_quadratic_at_faces() {
+                let sum = in_dimension!(model, face_sums::sum_evaluated, model, stride);
+                self.add_near_faces(Stage::Push, Threads::NearFaces, sum);
+            }
             self.add_of_surface(Stage::Push, in_dimension!(model, facets::follow, model, references, stride));
             self.add_sorting(Stage::Push, of_facets, Sorted::WithFacets, Threads::OfSurfaceHere)?;
             if model.contact.has_friction() {
@@ -359,8 +379,15 @@ impl Planner<'_> {
                     self.add(Stage::Stress, pairs::correct_stress(stride)?);
                 }
             }
-            Formulation::TotalLagrangian { hourglass, .. } => {
-                self.add(Stage::Stress, reference_forces::pull_back(model, hourglass, stride)?);
+            Formulation::TotalLagrangian { hourglass, faces, .. } => {
+                if model.formulation.is_quadratic_at_faces() {
+                    let spread = in_dimension!(model, face_sums::spread_stress, model, stride);
+                    self.add_near_faces(Stage::Stress, Threads::OfFaces, spread);
+                    let share = in_dimension!(model, face_sums::share, model, stride);
+                    self.add_near_faces(Stage::Stress, Threads::NearFaces, share);
+                }
+                let counted = faces.counted_misfit();
+                self.add(Stage::Stress, reference_forces::pull_back(model, (hourglass, counted), stride)?);
             }
         }
         Ok(())

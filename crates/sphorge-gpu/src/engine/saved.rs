@@ -36,6 +36,7 @@ const STATE: &[Group] = &[
     Group::Earlier,
     Group::Stretch,
     Group::Springs,
+    Group::FaceExcess,
     Group::Contact,
     Group::Meetings,
     Group::FacetMotion,

@@ -12,11 +12,6 @@ pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
             "leave `numerics.precision` out, or run it with `--engine cpu`",
         ),
         (
-            model.formulation.is_quadratic_at_faces(),
-            "gradients that are exact for quadratic fields at faces",
-            "run it with `--engine cpu`, or leave out `search.total-lagrangian.faces`",
-        ),
-        (
             model.audit.is_some() && model.has_facets(),
             "audits of neighbour lists where bodies meet at facets",
             "leave `audit` out, run it with `--engine cpu`, or let bodies meet by overlap: `contact = { penalty = { surfaces = \"overlap\" } }`",
@@ -31,4 +26,14 @@ pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
         Some((_, what, help)) => Err(Unsupported { what: what.to_owned(), help: help.to_owned() }),
         None => Ok(()),
     }
+}
+
+/// Whether several GPUs can share a model.
+pub(super) fn supports_in_parts(model: &Model) -> Result<(), Unsupported> {
+    if model.formulation.is_quadratic_at_faces() {
+        let what = "gradients that are exact for quadratic fields at faces, on several cards".to_owned();
+        let help = "run it on one card, with `--engine cpu`, or leave out `search.total-lagrangian.faces`".to_owned();
+        return Err(Unsupported { what, help });
+    }
+    Ok(())
 }

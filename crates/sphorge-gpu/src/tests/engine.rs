@@ -492,15 +492,6 @@ fn double_precision_is_refused_with_the_reason() {
 }
 
 #[test]
-fn quadratic_gradients_at_faces_are_refused() {
-    let deck = decks::find("iron-plate").unwrap();
-    let faces = ("search.total-lagrangian.faces".to_owned(), "\"quadratic\"".to_owned());
-    let setup = load_text(deck.name, deck.text, &[faces]).unwrap();
-    let refusal = gpu().supports(&setup.model).unwrap_err();
-    assert!(refusal.what.contains("quadratic") && refusal.help.contains("--engine cpu"), "{refusal:?}");
-}
-
-#[test]
 fn a_step_that_is_too_long_is_named_and_can_be_shorter() {
     let long = [PLATE.1[0], ("time.courant", "1.0"), ("time.step-control.jump", "0.001")];
     let mut simulation = start(&gpu(), PLATE.0, &long);

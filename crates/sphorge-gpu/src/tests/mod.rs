@@ -13,6 +13,8 @@ mod detached;
 #[cfg(feature = "device")]
 pub(crate) mod engine;
 #[cfg(feature = "device")]
+mod faces;
+#[cfg(feature = "device")]
 pub(crate) mod facet_contact;
 mod facets;
 #[cfg(feature = "device")]

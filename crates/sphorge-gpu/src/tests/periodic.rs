@@ -23,7 +23,7 @@ fn sums_in_the_current_configuration_match_the_cpu() {
 }
 
 /// A plate on a foot that goes on beyond both ends of the cell, by the default method; it leaves the cell.
-const ON_A_FOOT: [(&str, &str); 5] = [
+pub(super) const ON_A_FOOT: [(&str, &str); 5] = [
     IRON.1[0],
     IRON.1[1],
     ("periodic", "{ x = [\"-3.819 mm\", \"3.819 mm\"] }"),

@@ -265,6 +265,31 @@ groups! {
     /// Hourglass springs: the least stretch at which the particle has yielded, zero where there are no springs, and of the
     /// last force sum the mean square of their misfit, and the stress of their moment, Pa.
     Springs: particles if is_total_lagrangian { least_stretch: Number, misfit: Number, moment: TensorColumns };
+    /// Where gradients are exact for quadratic fields at faces, see [`crate::engine::kernels::face_sums`]: sums that are exact for linear fields,
+    /// 1/s, and the same at the velocities at which forces are evaluated; what is taken from those of particles at faces, 1/s, and the sum of that
+    /// over time; stress that is added to that of particles near faces, Pa, and their power from others, W/kg.
+    FaceLinear: particles if is_quadratic_at_faces { gradient: TensorColumns };
+    FaceEvaluated: feature;
+    FaceTaken: particles if is_quadratic_at_faces { rate: TensorColumns };
+    FaceExcess: particles if is_quadratic_at_faces { excess: CompensatedTensor };
+    FaceShare: particles if is_quadratic_at_faces { stress: TensorColumns, power: Number };
+    /// Particles at faces, and of each row the start of its terms, neighbours, their `q_ij`, 1/m, `K_i`, m, and `sum_j q_ij`, 1/m. Row zero is
+    /// that of particles at none.
+    FaceParticles: own;
+    FaceStarts: own;
+    FaceEntries: own;
+    FaceTerms: own { q: VectorColumns };
+    FaceTable: own { contraction: Numbers[27], whole: VectorColumns };
+    /// Of each row `R_i`, Pa m, and a power.
+    FaceSpread: own;
+    /// Particles near faces, the start of the terms of each, rows of the faces they are neighbours of, `V_j/V_i q_ji`, 1/m, and its own row.
+    NearParticles: own;
+    NearStarts: own;
+    NearEntries: own;
+    NearTerms: own;
+    NearFaces: own;
+    /// The row of every particle, if particles with facets need it.
+    FaceRows: whole;
     /// First Piola-Kirchhoff stress of the forces of walls and of the contact, which act on faces, Pa.
     FaceStress: particles if is_total_lagrangian { stress: TensorColumns };
     /// Particles that may be in contact: those of the surface if there is only self-contact of one body, all if there
@@ -470,6 +495,10 @@ fn leaps(model: &Model) -> bool {
 
 fn is_total_lagrangian(model: &Model) -> bool {
     model.is_total_lagrangian()
+}
+
+fn is_quadratic_at_faces(model: &Model) -> bool {
+    model.formulation.is_quadratic_at_faces()
 }
 
 fn corrects_current_gradients(model: &Model) -> bool {

@@ -541,7 +541,12 @@ impl<B: Copy, H: Handles<Columnar<B>>> ValuedMember<B> for H {}
 /// Handles of records.
 pub(in crate::engine) trait ReadRecords: Handles<Records> {
     fn records(bind: &mut Binder<'_>) -> Self {
-        Self::at(Records { buffer: bind.input(Self::GROUP), length: Self::LENGTH }, 0)
+        Self::records_of(bind, Self::GROUP)
+    }
+
+    /// Those of another group with the same columns.
+    fn records_of(bind: &mut Binder<'_>, group: Group) -> Self {
+        Self::at(Records { buffer: bind.input(group), length: Self::LENGTH }, 0)
     }
 }
 

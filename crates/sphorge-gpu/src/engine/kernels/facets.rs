@@ -5,8 +5,8 @@
 //! a particle and of its neighbours to the present where it needs them: that is short beside the law of a pair. The law
 //! is long, so a kernel has its text once, in a loop over facets, neighbours, cells and images.
 
+use super::face_sums::{Near, Taking, linear};
 use super::images::Image;
-use super::neighbors::over_list;
 use super::reference::{Deformations, References};
 use crate::engine::columns::{
     Binder, Group, ReadColumns, ReadRecords, Recording, Records, WriteColumns, groups, recording,
@@ -15,9 +15,7 @@ use crate::record::{Index, Indices, KernelFault, Recorded};
 use sphorge_engine::FacetLaws;
 use sphorge_engine::model::Model;
 use sphorge_physics::facet::{Facet, FacetPairLaw, ReferenceFacet, edges_reversed};
-use sphorge_physics::gradient_correction::corrected;
-use sphorge_physics::pair::GradientSums;
-use sphorge_physics::tensor::{apply, dot, inverse, multiply};
+use sphorge_physics::tensor::{apply, dot, inverse, multiply, plus};
 use sphorge_physics::thin::is_thin;
 use sphorge_physics::{Elementary, Real, Tensor, Vector};
 
@@ -130,7 +128,6 @@ pub(in crate::engine) fn follow<const D: usize>(
     references: References,
     count: usize,
 ) -> Result<Recording, KernelFault> {
-    let kernel = model.numerics.kernel;
     recording("follow_facets", count, |bind, thread| {
         let i = bind.indices(Group::Surface).at(thread);
         let near = (groups::Reference::read(bind), groups::Constants::read(bind));
@@ -139,20 +136,17 @@ pub(in crate::engine) fn follow<const D: usize>(
         let (gradient, deformation) =
             (groups::Gradient::read(bind).velocity_gradient, Deformations::of(bind, references));
         let (table, motion) = (Table::of(bind), groups::FacetMotion::write(bind));
-        let own = evaluated.get(i);
-        let zero = [[Recorded::zero(); 3]; 3];
-        let sum = over_list::<_, D>(bind, model, i, near, zero, |gradient: [[Recorded; 3]; 3], pair, j| {
-            let other = pair.image.vector(evaluated.get(j));
-            let (q, inverse_q) = pair.scale.reduced_distance(pair.r2);
-            let f = pair.scale.weighted(near.0.volume.high().get(j)).f(kernel.dw_over_q_by(q, inverse_q));
-            let mut sums = GradientSums { gradient, ..GradientSums::zero() };
-            sums.add::<D, false>(&pair.x, &[0, 1, 2].map(|a| other[a] - own[a]), f);
-            sums.gradient
-        });
+        let of = Near { reference: near.0, constants: near.1, correction };
+        let mut rate = linear::<D>(bind, model, i, of, |j| evaluated.get(j));
+        if model.formulation.is_quadratic_at_faces() {
+            let row = bind.indices(Group::FaceRows).at(i);
+            let taken = Taking::of(bind, model, Group::FaceEvaluated).taken::<D>(bind, row, &rate);
+            rate = plus(&rate, -Recorded::one(), &taken);
+        }
         let (correction, f) = (correction.get(i), deformation.since_reference(i));
         // What the sums of thin parts do not see across them is that of the middle of the step.
         let thin = || gradient.get(i);
-        let thick = || multiply(&corrected(&sum, &correction), &inverse(&f));
+        let thick = || multiply(&rate, &inverse(&f));
         let l = Recorded::if_lt(Recorded::zero(), is_thin(&correction), thin, thick);
         motion.velocity_gradient.set(i, &l);
         let sizes = deformation.whole(i).map(|row| row.map(Real::abs));

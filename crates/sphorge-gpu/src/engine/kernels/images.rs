@@ -182,6 +182,11 @@ impl Planes {
         neighbor + (image << FIRST_BIT)
     }
 
+    /// The code of an image that is mirrored along these axes.
+    pub(in crate::engine) fn code_of(mirrored: [bool; 3]) -> u32 {
+        (0..3).filter(|axis| mirrored[*axis]).map(|axis| 1 << (BITS * axis as u32)).sum()
+    }
+
     /// Coordinate of an image, by its code, along an axis, and whether it is mirrored there.
     pub(in crate::engine) fn coordinate(self, image: u32, axis: usize, x: f64) -> (f64, bool) {
         let kind = Self::bits(image, axis).checked_sub(1).and_then(|k| self.0[axis].get(k as usize).copied().flatten());

@@ -3,6 +3,7 @@
 pub(super) mod audit;
 pub(super) mod conduction;
 pub(super) mod contact;
+pub(super) mod face_sums;
 pub(super) mod facet_forces;
 mod facet_pairs;
 pub(super) mod facets;

@@ -1,5 +1,6 @@
 //! The reference configuration of the total Lagrangian form: its lists, built once, and the deformation from it.
 
+use super::face_sums::{Near, linear};
 use super::grid::Grid;
 use super::images::Planes;
 use super::neighbors::{now, over_list, over_own_body};
@@ -10,11 +11,11 @@ use crate::engine::columns::{
 use crate::record::{Double, Index, Indices, KernelFault, Recorded};
 use sphorge_engine::model::{Material, Model};
 use sphorge_engine::particles::HistoryVariables;
-use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, corrected};
+use sphorge_physics::gradient_correction::LARGEST_COMPONENT;
 use sphorge_physics::hourglass::is_fit;
 use sphorge_physics::hyperelastic::composed;
 use sphorge_physics::pair::GradientSums;
-use sphorge_physics::tensor::{identity, multiply};
+use sphorge_physics::tensor::{identity, multiply, plus};
 use sphorge_physics::thin::{Across, completed_rate, correction_of_pieces, is_thin, reference_correction};
 use sphorge_physics::total_lagrangian::{deformed_again, density, smallest_stretch, stretched, velocity_gradient};
 use sphorge_physics::viscosity::bulk_mu;
@@ -114,6 +115,7 @@ pub(in crate::engine) fn renew(model: &Model, count: usize) -> Result<Recording,
         let (reference, stretch) = (groups::Reference::write(bind), groups::Stretch::write(bind));
         let (since, earlier) = (groups::Deformation::write(bind).deformation, groups::Earlier::write(bind).deformation);
         let springs = groups::Springs::write(bind);
+        let excess = model.formulation.is_quadratic_at_faces().then(|| groups::FaceExcess::write(bind).excess);
         let renew = || {
             let dt = step.dt.value();
             for a in 0..3 {
@@ -133,6 +135,9 @@ pub(in crate::engine) fn renew(model: &Model, count: usize) -> Result<Recording,
             springs.least_stretch.set(i, Recorded::one());
             springs.misfit.set(i, Recorded::zero());
             springs.moment.set(i, &[[Recorded::zero(); 3]; 3]);
+            if let Some(excess) = excess {
+                (0..9).for_each(|k| excess.component(k).set(i, [Recorded::zero(); 2]));
+            }
             NOTHING
         };
         Recorded::if_lt(Recorded::of(0.5), apart.is_due(i), renew, || NOTHING);
@@ -230,7 +235,7 @@ fn integrity_within(
 }
 
 /// One for a particle that has failed and bears nothing any more, else zero.
-fn is_deleted(bind: &mut Binder<'_>, model: &Model, i: Index) -> Recorded {
+pub(super) fn is_deleted(bind: &mut Binder<'_>, model: &Model, i: Index) -> Recorded {
     let Some((integrity, within)) = integrity_within(bind, model, Material::deletes, i) else {
         return Recorded::zero();
     };
@@ -244,7 +249,6 @@ pub(in crate::engine) fn deform<const D: usize>(
     (renewal, references): (Option<f64>, References),
     count: usize,
 ) -> Result<Recording, KernelFault> {
-    let kernel = model.numerics.kernel;
     recording("deform", count, |bind, i| {
         let near = (groups::Reference::read(bind), groups::Constants::read(bind));
         let (velocity, correction) = (groups::Velocity::read(bind).velocity, groups::Correction::read(bind).correction);
@@ -255,19 +259,15 @@ pub(in crate::engine) fn deform<const D: usize>(
         let (springs, plastic) = (groups::Springs::write(bind), groups::Plastic::read(bind));
         let (deviator, pressures) = (groups::Deviator::read(bind).deviator, groups::Pressure::read(bind));
         let apart = Separated::of(bind, model, references);
-        let own = velocity.high().get(i);
-        let zero = [[Recorded::zero(); 3]; 3];
-        let sum = over_list::<_, D>(bind, model, i, near, zero, |gradient: [[Recorded; 3]; 3], pair, j| {
-            let other = pair.image.vector(velocity.high().get(j));
-            let (q, inverse_q) = pair.scale.reduced_distance(pair.r2);
-            let f = pair.scale.weighted(near.0.volume.high().get(j)).f(kernel.dw_over_q_by(q, inverse_q));
-            let mut sums = GradientSums { gradient, ..GradientSums::zero() };
-            sums.add::<D, false>(&pair.x, &[0, 1, 2].map(|a| other[a] - own[a]), f);
-            sums.gradient
-        });
+        let rate = if model.formulation.is_quadratic_at_faces() {
+            let (linear, taken) = (groups::FaceLinear::read(bind).gradient, groups::FaceTaken::read(bind).rate);
+            plus(&linear.get(i), -Recorded::one(), &taken.get(i))
+        } else {
+            let of = Near { reference: near.0, constants: near.1, correction };
+            linear::<D>(bind, model, i, of, |j| velocity.high().get(j))
+        };
         let dt = step.dt.value();
         let correction = correction.get(i);
-        let rate = corrected(&sum, &correction);
         let complete = || {
             let ([pressure, sound_speed], rho) =
                 ([pressures.pressure, pressures.sound_speed].map(|of| of.get(i)), of_density.high().get(i));

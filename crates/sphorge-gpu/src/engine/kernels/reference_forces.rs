@@ -14,7 +14,11 @@ use sphorge_physics::total_lagrangian::force_tensor;
 use sphorge_physics::{Real, Tensor, Vector};
 
 /// Data of a neighbour that forces read: the tensor whose sum is the force, and its spring.
-pub(in crate::engine) fn pull_back(model: &Model, hourglass: f64, count: usize) -> Result<Recording, KernelFault> {
+pub(in crate::engine) fn pull_back(
+    model: &Model,
+    (hourglass, counted_misfit): (f64, f64),
+    count: usize,
+) -> Result<Recording, KernelFault> {
     recording("pull_back", count, |bind, i| {
         let (packed, deformation) = (groups::Packed::write(bind), groups::Deformation::read(bind).deformation);
         let correction = groups::Correction::read(bind).correction;
@@ -26,13 +30,18 @@ pub(in crate::engine) fn pull_back(model: &Model, hourglass: f64, count: usize) 
         };
         let springs = (hourglass != 0.0).then(|| groups::Springs::read(bind));
         let more = springs.map_or(face_stress, |of| plus(&face_stress, Recorded::one(), &of.moment.get(i)));
+        let more = match model.formulation.is_quadratic_at_faces() {
+            true => plus(&more, Recorded::one(), &groups::FaceShare::read(bind).stress.get(i)),
+            false => more,
+        };
         let tensor = force_tensor(packed.stress.get(i), &f, &more, &correction.get(i));
         pulled_back.tensor.set(i, &tensor);
         if let Some(springs) = springs {
             let (plastic, constants) = (groups::Plastic::read(bind), groups::Constants::read(bind));
             let (yield_stress, plastic_strain) = (plastic.yield_stress.get(i), plastic.strain.high().get(i));
-            let (strength, stretch) = (Recorded::of(hourglass), springs.least_stretch.get(i));
-            let spring = Spring::new(strength, constants.young_modulus.get(i), yield_stress, plastic_strain, stretch);
+            let (strength, young) = (Recorded::of(hourglass), constants.young_modulus.get(i));
+            let stretch = springs.least_stretch.get(i);
+            let spring = Spring::of_misfit(counted_misfit, strength, young, yield_stress, plastic_strain, stretch);
             pulled_back.stiffness.set(i, spring.at(springs.misfit.get(i)));
         }
     })
@@ -86,7 +95,12 @@ pub(in crate::engine) fn forces<const D: usize>(
         for a in 0..3 {
             rates.acceleration.axis(a).set(i, sums[a] * factor);
         }
-        energy.rate.set(i, sums[3] * factor);
+        let rate = sums[3] * factor;
+        let rate = match model.formulation.is_quadratic_at_faces() {
+            true => rate + groups::FaceShare::read(bind).power.get(i),
+            false => rate,
+        };
+        energy.rate.set(i, rate);
     })
 }
 
@@ -118,8 +132,14 @@ pub(in crate::engine) fn springs<const D: usize>(
             let u = [0, 1, 2].map(|a| Double::new(now[a]) - Double::new(then[a]));
             [u.map(|u| u.high), u.map(|u| u.low)]
         };
+        let excess = model.formulation.is_quadratic_at_faces().then(|| groups::FaceExcess::read(bind).excess.high());
+        // Springs see the motion that the sums do not.
+        let gradient = |k: Index| {
+            let gradient = less_identity(deformation, k);
+            excess.map_or(gradient, |excess| plus(&gradient, Recorded::one(), &excess.get(k)))
+        };
         let (u_i, v_i): (_, Vector<Recorded>) = (displacement(i), evaluated.get(i));
-        let (h_i, stiffness) = (less_identity(deformation, i), packed.stiffness.get(i));
+        let (h_i, stiffness) = (gradient(i), packed.stiffness.get(i));
         let zero = Recorded::zero();
         let kernel = numerics.kernel;
         let add = |state: [Recorded; SPRING_SUMS], pair: &Pair, j: Index| {
@@ -128,7 +148,7 @@ pub(in crate::engine) fn springs<const D: usize>(
             let u = [0, 1, 2].map(|a| (u_i[0][a] - u_j[0][a]) + (u_i[1][a] - u_j[1][a]));
             let v_j = image.vector(evaluated.get(j));
             let v = [0, 1, 2].map(|a| v_i[a] - v_j[a]);
-            let misfit = Misfit::of::<D>(&pair.x, &u, &h_i, &image.tensor(&less_identity(deformation, j)));
+            let misfit = Misfit::of::<D>(&pair.x, &u, &h_i, &image.tensor(&gradient(j)));
             let (q, inverse_q) = pair.scale.reduced_distance(misfit.initial2);
             let weight = -pair.scale.weighted(near.0.volume.high().get(j)).f(kernel.dw_over_q_by(q, inverse_q));
             let mut sums = unpacked(&state);

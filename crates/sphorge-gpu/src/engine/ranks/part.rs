@@ -1,13 +1,20 @@
 //! A GPU as one of several that share the particles of a run.
 
+use crate::engine::supports::supports_in_parts;
 use crate::engine::{Gpu, GpuEngine};
 use sphorge_engine::ranks::Communicator;
-use sphorge_engine::{Column, Engine, FieldSource, Model, Part, PartKind, Particles, Reduction, RunFailure};
+use sphorge_engine::{
+    Column, Engine, FieldSource, Model, Part, PartKind, Particles, Reduction, RunFailure, Unsupported,
+};
 use std::sync::Arc;
 
 impl PartKind for Gpu {
     fn shared_name(&self) -> &'static str {
         "gpu-ranks"
+    }
+
+    fn supports_in_parts(&self, model: &Model) -> Result<(), Unsupported> {
+        supports_in_parts(model)
     }
 
     fn start_part(
