@@ -123,7 +123,7 @@ def failing(deck, kind, error, step):
     def fail(state):
         if state.step >= step:
             raise error
-        return [0.0, 0.0]
+        return None if kind == "every" else [0.0, 0.0]
 
     register = {"every": lambda: simulation.every(steps=1), "load": lambda: simulation.load("plate"), "motion": lambda: simulation.motion("grip")}
     register[kind]()(fail)

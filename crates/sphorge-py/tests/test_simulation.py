@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import copy
+import functools
 import gc
 import os
 import pickle
@@ -157,6 +158,72 @@ def test_callbacks_cannot_drive_the_run_they_are_called_by(deck):
     assert len(raised) == 4
 
 
+@pytest.mark.parametrize("kind", ["every", "load", "motion"])
+@pytest.mark.parametrize("error", [StopIteration(5), StopAsyncIteration()])
+@pytest.mark.parametrize("go", [list, sp.Simulation.run, sp.Simulation.step])
+def test_a_callback_out_of_values_does_not_pass_for_the_end(deck, kind, error, go):
+    text = deck.text + '\n[[region]]\nname = "grip"\nshape = { box = { min = ["-4 mm", "20 mm"], max = ["4 mm", "24 mm"] } }\n[[motion]]\nregion = "grip"\nvelocity = ["free", "0 m/s"]\n'
+    simulation = sp.Simulation(sp.Deck.from_text(text), out="a", threads=1)
+
+    def watch(state):
+        raise error
+
+    {"every": lambda: simulation.every(steps=1), "load": lambda: simulation.load("plate"), "motion": lambda: simulation.motion("grip")}[kind]()(watch)
+    with raises(RuntimeError, match=f"{'`watch`' if kind == 'every' else '`plate`|`grip`'} raised {type(error).__name__}") as told:
+        go(simulation)
+    assert told.value.__cause__ is error and simulation.summary["end_reason"] == "program"
+    assert type(error).__name__ in simulation.summary["stopped_by"]
+
+
+def test_what_a_callback_returns_is_nothing_or_stop(deck):
+    async def later(state):
+        return None
+
+    for number, (returned, shown) in enumerate([("stop", "'stop'"), (False, "False"), (0.0, "0.0"), ([], r"\[\]"), (sp.STOP.__class__, "_Stop"), (later, "coroutine")]):
+        simulation = sp.Simulation(deck, out=f"{number}", threads=1)
+
+        @simulation.every(steps=2)
+        def watch(state, returned=returned):
+            return returned(state) if returned is later else returned
+
+        with raises(TypeError, match=f"the callback `watch` returned .*{shown}.*: it returns nothing, or sphorge.STOP"):
+            simulation.run()
+        assert simulation.has_ended and simulation.steps == 2
+
+
+class Awaited:
+    async def __call__(self, state):
+        return None
+
+
+class Given:
+    def each(self, state):
+        yield [0.0, 0.0]
+
+
+def yielding(state):
+    yield sp.STOP
+
+
+async def awaited(state):
+    return sp.STOP
+
+
+async def both(state):
+    yield sp.STOP
+
+
+@pytest.mark.parametrize("call", [yielding, awaited, both, Awaited(), Given().each, functools.partial(awaited), functools.partial(functools.partial(yielding))])
+def test_a_function_whose_call_executes_nothing_is_refused(deck, call):
+    simulation = sp.Simulation(deck, threads=1)
+    for what, register in (("every", simulation.every(steps=1)), ("load", simulation.load("plate"))):
+        with raises(TypeError, match=rf"{what}\(\): `\w+` is (a generator function|asynchronous): a call of it executes nothing"):
+            register(call)
+    # Nothing of it was taken, and what calls them in its own way is.
+    simulation.every(steps=1)(functools.wraps(yielding)(lambda state: None))
+    assert simulation.run().status == "completed"
+
+
 @pytest.mark.parametrize(
     "interval", [{"steps": 10**30}, {"time": 1e-320}, {"time": 10**400}, {"steps": np.int64(0)}, {"steps": np.float64(2)}, {}, {"steps": 1, "time": 1.0}, {"steps": 0}, {"steps": -1}, {"steps": 1.5}, {"steps": True}, {"time": 0}, {"time": float("nan")}, {"time": "1 mm"}, {"time": "soon"}]
 )
@@ -196,7 +263,7 @@ def test_each_thread_can_drive_its_own(here, deck):
 
     def drive(name):
         simulation = sp.Simulation(deck, out=name, threads=1)
-        simulation.every(steps=1)(lambda state: state["velocity"].sum() * 0)
+        simulation.every(steps=1)(lambda state: print(state["velocity"].sum() * 0))
         ended[name] = simulation.run().status
 
     workers = [threading.Thread(target=drive, args=(name,)) for name in "abcd"]
@@ -210,7 +277,7 @@ def test_each_thread_can_drive_its_own(here, deck):
 
 def test_a_simulation_that_its_own_callback_refers_to_is_let_go(long_deck):
     simulation = sp.Simulation(long_deck, out="a", threads=1)
-    simulation.every(steps=2)(lambda state: simulation.steps)
+    simulation.every(steps=2)(lambda state: print(simulation.steps))
     simulation.step()
     alive = weakref.ref(simulation)
     del simulation

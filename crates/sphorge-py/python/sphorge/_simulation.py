@@ -8,7 +8,7 @@ import math
 import os
 import warnings
 import weakref
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Coroutine, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from types import TracebackType
@@ -19,7 +19,7 @@ from ._arrays import array
 from ._deck import Deck, _as_deck
 from ._errors import FolderError, RunFailed, SphorgeError, SphorgeWarning
 from ._run import Frame, Run, _seconds
-from ._words import check_threads, did_you_mean, printable, whole
+from ._words import check_threads, did_you_mean, printable, repr_of, whole
 
 if TYPE_CHECKING:
     from ._arrays import Array
@@ -292,6 +292,9 @@ class Simulation:
             # The files are complete before anyone hears of it.
             self._is_calling = False
             self._finish(None if isinstance(error, KeyboardInterrupt) else f"{what} raised {_told(error)}")
+            if isinstance(error, (StopIteration, StopAsyncIteration)):
+                # It would end the loop over the frames as if the run were over.
+                raise RuntimeError(f"{what} raised {_told(error)}") from error
             raise
         finally:
             self._is_calling = False
@@ -299,7 +302,8 @@ class Simulation:
     def _call(self) -> None:
         """Calls the callbacks that are due."""
         for every in [every for every in self._every if every.is_due(self._step, self._time)]:
-            if self._ask(every.call, f"the callback `{_name(every.call)}`") is STOP:
+            what = f"the callback `{_name(every.call)}`"
+            if self._ask(every.call, what, partial(_nothing, what=what)) is STOP:
                 return
 
     def _refuse_what_nobody_drives(self) -> None:
@@ -444,7 +448,8 @@ class Simulation:
         ... def watch(state):
         ...     return sphorge.STOP if state["temperature"].max() > 900 else None
 
-        An exception that it raises ends the run as Ctrl-C does, and is passed on; ``stopped_by`` of the summary has its text.
+        It returns nothing, or `STOP`; anything else is a ``TypeError``. An exception that it raises ends the run as Ctrl-C does, and is passed on, ``StopIteration``
+        as a ``RuntimeError``; ``stopped_by`` of the summary has its text.
         """
         if (steps is None) == (time is None):
             raise TypeError("every(): give either steps or time")
@@ -457,8 +462,7 @@ class Simulation:
             raise ValueError(f"every(): time is {_SHORTEST:g} s or more, not {time!r}; steps=1 is every step")
 
         def add(call: Callback) -> Callback:
-            if not callable(call):
-                raise TypeError(f"every(): {call!r} cannot be called")
+            _check_call(call, "every()")
             self._every.append(_Every(call, count, interval, self._step, self._time))
             return call
 
@@ -502,8 +506,7 @@ class Simulation:
             raise SphorgeError(f"{missing} `{printable(name)}`", hint=did_you_mean(name, names) + there)
 
         def add(call: Callback) -> Callback:
-            if not callable(call):
-                raise TypeError(f"{what}(): {call!r} cannot be called")
+            _check_call(call, f"{what}()")
             # Of two motions of one region the later in the deck holds.
             at = len(names) - 1 - names[::-1].index(name)
             if at in calls:
@@ -551,6 +554,39 @@ class Simulation:
     def __repr__(self) -> str:
         where = "ended" if self._has_ended else "under way"
         return f"<sphorge.Simulation in {os.fspath(self.folder)!r}: {where}, step {self._step}, {self._time:g} s>"
+
+
+#: Flags of the code of functions whose call executes nothing, and what they are.
+_DEFERRED = {0x20: "a generator function: a call of it executes nothing; leave out `yield`"}
+_DEFERRED |= dict.fromkeys((0x80, 0x100, 0x200), "asynchronous: a call of it executes nothing; leave out `async`")
+
+
+def _check_call(call: Any, what: str) -> None:
+    """Refuses what cannot be called, or whose call executes nothing."""
+    if not callable(call):
+        raise TypeError(f"{what}: {repr_of(call)} cannot be called")
+    within = call
+    while isinstance(within, partial):
+        within = within.func
+    # What an object does when it is called is in its class.
+    for function in (within, getattr(type(within), "__call__", None)):
+        try:
+            flags = getattr(getattr(function, "__func__", function), "__code__").co_flags
+        except Exception:  # noqa: BLE001 (nothing that is written in Python)
+            continue
+        for flag, kind in _DEFERRED.items():
+            if isinstance(flags, int) and flags & flag:
+                raise TypeError(f"{what}: `{_name(within)}` is {kind}")
+
+
+def _nothing(asked: Any, what: str) -> None:
+    """What a callback returns that does not end the run."""
+    if asked is None:
+        return
+    if isinstance(asked, Coroutine):
+        # Nobody will wait for it.
+        asked.close()
+    raise TypeError(f"{what} returned {repr_of(asked)}: it returns nothing, or sphorge.STOP to end the run")
 
 
 def _told(error: BaseException) -> str:

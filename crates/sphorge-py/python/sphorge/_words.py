@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+import reprlib
 from collections.abc import Iterable, Mapping
 from typing import Any, Generic, TypeVar
 
@@ -14,6 +15,11 @@ Value = TypeVar("Value")
 def printable(text: str) -> str:
     """A text as a terminal and a file can show it: escaped where it is no text, as names of files may be."""
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+
+
+def repr_of(value: Any) -> str:
+    """A value as a message shows it: in short, whatever it is."""
+    return printable(reprlib.repr(value))
 
 
 def told(text: str, what: str) -> str:
