@@ -340,6 +340,41 @@ def test_the_summary_of_a_run_that_failed_is_there(deck):
     assert simulation.summary == sp.Run("a").summary and simulation.summary["status"] == "failed"
 
 
+def test_a_program_may_go_to_another_folder(here, deck, monkeypatch):
+    (here / "elsewhere").mkdir()
+    deck["output.frames"] = 20
+    simulation = sp.Simulation(deck, out="a", threads=1)
+    frame = next(simulation)
+    run = sp.Run("a")
+    monkeypatch.chdir(here / "elsewhere")
+    assert frame["velocity"].shape == (192, 3) and frame.plot("velocity").data
+    assert len(run.frames) == 1 and run.status == "unfinished"
+    # Half of it from here, and the rest after it was stopped.
+    for _ in range(10):
+        next(simulation)
+    assert simulation.stop().folder == here / "a" == simulation.folder == run.folder
+    monkeypatch.chdir(here)
+    resumed = sp.Simulation.resume("a", threads=1)
+    monkeypatch.chdir(here / "elsewhere")
+    assert [frame.step for frame in resumed] and resumed.summary["status"] == "completed" == run.status
+    assert len(run.frames) == 21 and os.listdir(here / "elsewhere") == []
+    assert repr(resumed).startswith("<sphorge.Simulation in 'a': ended") and repr(run) == "<sphorge.Run 'a': completed>"
+    study = sp.sweep(deck, {"time.end": ["0.2 us"]}, out="s")
+    monkeypatch.chdir(here)
+    assert [run.status for run in study.runs] == ["completed"] and study.folder == here / "elsewhere/s"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a folder that is worked in stays")
+def test_a_folder_to_work_in_that_is_gone_is_told(here, deck, monkeypatch):
+    (here / "gone").mkdir()
+    monkeypatch.chdir(here / "gone")
+    (here / "gone").rmdir()
+    for make in (lambda: sp.Simulation(deck, out="a"), lambda: sp.Run("a"), lambda: sp.Simulation.resume("a"), lambda: sp.sweep(deck, {"time.end": ["1 us"]})):
+        with raises(sp.FolderError, match="works in is gone"):
+            make()
+    monkeypatch.chdir(here)
+
+
 def test_a_folder_that_vanishes_is_an_exception_and_no_more(here, deck):
     simulation = sp.Simulation(deck, out="a", threads=1)
     frame = next(simulation)

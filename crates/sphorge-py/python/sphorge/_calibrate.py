@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from . import _sphorge, _toml
-from ._deck import Deck, _as_deck
+from ._deck import Deck, _as_deck, folder_for
 from ._errors import SphorgeError, SphorgeWarning
 from ._run import _needs
 from ._studies import Study, _making, _program
-from ._words import whole
+from ._words import absolute, whole
 
 if TYPE_CHECKING:
     from ._arrays import Array
@@ -375,7 +375,7 @@ def calibrate(
         raise TypeError("targets are a dict of measures, or experiments: [sphorge.Experiment({\"height\": \"20.4 mm\"}, set={...}), ...]")
     making = _making(workers, threads)
     most_points = whole(most_points, "most_points", 10_000)
-    folder = Path("out") / f"{deck.name}-calibration" if out is None else Path(out)
+    folder = absolute(folder_for(deck, "-calibration", out))
     first = _written(start, bounds)
     benches: list[_Bench] = []
     for number, experiment in enumerate(given, 1):

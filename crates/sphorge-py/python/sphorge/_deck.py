@@ -110,5 +110,10 @@ def _of_parts(name: str, path: Path | None, text: str, overrides: list[tuple[str
     return deck
 
 
+def folder_for(deck: Deck, ending: str, out: str | os.PathLike[str] | None) -> Path:
+    """A folder that was given, or that of a deck."""
+    return Path("out") / f"{deck.name}{ending}" if out is None else Path(out)
+
+
 def _as_deck(deck: Deck | str | os.PathLike[str] | Mapping[str, Any]) -> Deck:
     return deck if isinstance(deck, Deck) else Deck(deck)

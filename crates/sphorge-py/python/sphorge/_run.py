@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, overload
 from . import _notebook, _sphorge
 from ._arrays import array
 from ._errors import FolderError, SphorgeError, SphorgeWarning
-from ._words import Named, printable, there_is_no
+from ._words import Named, absolute, printable, there_is_no
 
 if TYPE_CHECKING:
     from ._arrays import Array
@@ -27,7 +27,8 @@ class Frame(Mapping[str, "Array"]):
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = Path(path)
+        #: Its file, absolute.
+        self.path = absolute(path)
         self._frame = _sphorge.Frame(self.path)
         self._fields = {name: (unit, components) for name, unit, components in self._frame.fields}
 
@@ -289,7 +290,9 @@ class Run:
     """
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
-        self.folder = Path(folder)
+        self._given = Path(folder)
+        #: Its folder, absolute.
+        self.folder = absolute(folder)
         # What is no folder of a run is told at once.
         _sphorge.summary(self.folder)
 
@@ -364,7 +367,7 @@ class Run:
         return _draw([self.folder], options if field is None else {"field": field, **options})
 
     def _repr_html_(self) -> str:
-        rows = {"folder": os.fspath(self.folder), "status": self.status}
+        rows = {"folder": os.fspath(self._given), "status": self.status}
         units = self.measure_units
         rows |= {name: _notebook.quantity(value, units.get(name, "")) for name, value in self.measures.items()}
         rows |= {"driven": self._driven()} if self.driven else {}
@@ -410,7 +413,7 @@ class Run:
 
     def __repr__(self) -> str:
         driven = ", driven by a program" if self.driven else ""
-        return f"<sphorge.Run {os.fspath(self.folder)!r}: {self.status}{driven}>"
+        return f"<sphorge.Run {os.fspath(self._given)!r}: {self.status}{driven}>"
 
 
 def _draw(folders: list[Path], options: dict[str, Any]) -> Any:

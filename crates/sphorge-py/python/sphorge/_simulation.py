@@ -16,10 +16,10 @@ from typing import Any, TYPE_CHECKING
 
 from . import _notebook, _sphorge
 from ._arrays import array
-from ._deck import Deck, _as_deck
+from ._deck import Deck, _as_deck, folder_for
 from ._errors import FolderError, RunFailed, SphorgeError, SphorgeWarning
 from ._run import Frame, Run, _seconds
-from ._words import check_threads, did_you_mean, printable, repr_of, whole
+from ._words import absolute, check_threads, did_you_mean, printable, repr_of, whole
 
 if TYPE_CHECKING:
     from ._arrays import Array
@@ -137,7 +137,8 @@ class Simulation:
         progress: bool | None = None,
     ) -> None:
         deck = _as_deck(deck)
-        folder = Path("out") / deck.name if out is None else Path(out)
+        given = folder_for(deck, "", out)
+        folder = absolute(given)
         threads, ranks = check_threads(threads), check_threads(ranks, "ranks")
         if ranks is not None:
             from ._ranks import RankedDriver
@@ -145,7 +146,7 @@ class Simulation:
             options = ["--engine", engine, *([] if device is None else ["--device", device]), *(["--overwrite"] if overwrite else [])]
             options += [] if threads is None else ["--threads", str(threads)]
             options += ["--checkpoint-minutes", str(checkpoint_minutes), *(["--checkpoint-at-end"] if checkpoint_at_end else [])]
-            self._begin(folder, RankedDriver(deck, folder, ranks, options), progress)
+            self._begin(folder, RankedDriver(deck, folder, ranks, options), given, progress)
             return
         self._begin(
             folder,
@@ -159,6 +160,7 @@ class Simulation:
                 checkpoint_minutes=checkpoint_minutes,
                 checkpoint_at_end=checkpoint_at_end,
             ),
+            given,
             progress,
         )
 
@@ -180,20 +182,22 @@ class Simulation:
         threads = check_threads(threads)
         simulation = cls.__new__(cls)
         overrides = [(key, override(value, key)) for key, value in (set or {}).items()]
+        place = absolute(folder)
         driver = _sphorge.Driver.resume(
-            Path(folder),
+            place,
             overrides,
             threads=threads,
             device=device,
             checkpoint_minutes=checkpoint_minutes,
             checkpoint_at_end=checkpoint_at_end,
         )
-        simulation._begin(Path(folder), driver, progress)
+        simulation._begin(place, driver, Path(folder), progress)
         return simulation
 
-    def _begin(self, folder: Path, driver: Any, progress: bool | None) -> None:
-        #: Folder of the run.
+    def _begin(self, folder: Path, driver: Any, given: Path, progress: bool | None) -> None:
+        #: Folder of the run, absolute.
         self.folder = folder
+        self._given = given
         #: What there was to note.
         self.notes: list[str] = []
         #: Names and texts of what checks have found broken.
@@ -517,7 +521,7 @@ class Simulation:
         return add
 
     def _repr_html_(self) -> str:
-        rows = {"folder": os.fspath(self.folder), "step": str(self._step), "time": f"{self._time:.4g} s", "done": f"{100 * self.progress:.0f} %"}
+        rows = {"folder": os.fspath(self._given), "step": str(self._step), "time": f"{self._time:.4g} s", "done": f"{100 * self.progress:.0f} %"}
         if self._has_ended:
             rows["status"] = "ended"
         try:
@@ -553,7 +557,7 @@ class Simulation:
 
     def __repr__(self) -> str:
         where = "ended" if self._has_ended else "under way"
-        return f"<sphorge.Simulation in {os.fspath(self.folder)!r}: {where}, step {self._step}, {self._time:g} s>"
+        return f"<sphorge.Simulation in {os.fspath(self._given)!r}: {where}, step {self._step}, {self._time:g} s>"
 
 
 #: Flags of the code of functions whose call executes nothing, and what they are.

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _sphorge, _toml
-from ._deck import Deck, _as_deck
+from ._deck import Deck, _as_deck, folder_for
 from ._errors import SphorgeError
 from ._run import Run, _needs
-from ._words import check_threads, there_is_no, whole
+from ._words import absolute, check_threads, there_is_no, whole
 
 if TYPE_CHECKING:
     from ._arrays import Array
@@ -30,7 +30,7 @@ class Study:
     def __init__(self, folder: Path, told: dict[str, Any]) -> None:
         import numpy as np
 
-        #: Folder that the folders of the runs are in; ``sweep.csv`` there is the same table.
+        #: Folder that the folders of the runs are in, absolute; ``sweep.csv`` there is the same table.
         self.folder = folder
         #: Columns by name.
         self.table: dict[str, Array | list[str]] = {
@@ -231,7 +231,7 @@ def sweep(
     deck = _as_deck(deck)
     if not isinstance(varied, Mapping):
         raise TypeError(f"what is varied is a dict of keys and their values, not {type(varied).__name__}")
-    folder = Path("out") / f"{deck.name}-sweep" if out is None else Path(out)
+    folder = absolute(folder_for(deck, "-sweep", out))
     values = [_values(key, of) for key, of in varied.items()]
     making = _making(workers, threads)
     told = _sphorge.sweep(deck._deck, values, folder, _program(), **making, engine=engine, device=device, overwrite=overwrite)
@@ -254,7 +254,7 @@ def convergence(
     >>> sphorge.convergence("iron-plate", ["1.2 mm", "0.6 mm", "0.3 mm"])["height"].limit
     """
     deck = _as_deck(deck)
-    folder = Path("out") / f"{deck.name}-convergence" if out is None else Path(out)
+    folder = absolute(folder_for(deck, "-convergence", out))
     _, values = _values("particles.spacing", spacings)
     making = _making(workers, threads)
     told = _sphorge.convergence(deck._deck, values, folder, _program(), **making, engine=engine, device=device, overwrite=overwrite)
@@ -285,7 +285,7 @@ def ballistic_limit(
     >>> limit.limit, limit.bracket, limit.curve
     """
     deck = _as_deck(deck)
-    folder = Path("out") / f"{deck.name}-ballistic-limit" if out is None else Path(out)
+    folder = absolute(folder_for(deck, "-ballistic-limit", out))
     ends = (None, None) if between is None else between
     if isinstance(ends, (str, bytes)) or not isinstance(ends, Iterable):
         raise TypeError(f"between: two speeds are needed, not {type(ends).__name__}")

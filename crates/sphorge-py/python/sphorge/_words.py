@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import operator
+import os
 import reprlib
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from . import _sphorge
+from ._errors import FolderError
 
 Value = TypeVar("Value")
 
@@ -40,6 +43,15 @@ def there_is_no(what: str, name: object, names: Iterable[str], has: str = "there
     """That a name is none of these, which may be meant, and what there is."""
     known = list(names)
     return f"{what} `{printable(str(name))}`; {did_you_mean(name, known)}{has}: {', '.join(known) or 'none'}"
+
+
+def absolute(folder: str | os.PathLike[str]) -> Path:
+    """A folder as it is called wherever the program goes next."""
+    place = Path(folder)
+    try:
+        return place.absolute()
+    except OSError as error:
+        raise FolderError(f"the folder that this program works in is gone: {error.strerror or error}", hint="os.chdir() to one that there is") from None
 
 
 def whole(of: Any, what: str, most: int, least: int = 1) -> int:
