@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import copy
+import os
 import pickle
 
 import numpy as np
@@ -159,3 +160,36 @@ def test_materials_have_constants_with_units():
     assert sp.fields["pressure"][0] == "Pa"
     with raises(KeyError, match="did you mean `armco-iron`.*there are: .*armco-iron"):
         sp.materials["armco"]
+
+
+@pytest.mark.parametrize("name", ["../../evil", "/evil", "a/b", "a\\b", ".", "..", "", "a\nb", "nul\0"])
+def test_a_deck_is_not_called_what_no_folder_is(here, name):
+    for make in (lambda: sp.Deck(PLATE, name=name), lambda: sp.Deck.from_text("", name=name)):
+        with raises(ValueError, match="is no name of a deck: its output folder is called so"):
+            make()
+    for odd in (5, b"deck"):
+        with raises(TypeError, match="the name of a deck is a text"):
+            sp.Deck(PLATE, name=odd)
+
+
+def test_a_file_that_is_called_what_no_folder_is_needs_another_one(here):
+    # Its name without the ending is "..", the folder above.
+    (here / "...toml").write_text(sp.Deck(PLATE).text)
+    deck = sp.Deck("...toml")
+    assert deck.name == ".."
+    for make in (lambda: sp.Simulation(deck), lambda: sp.Simulation(deck, overwrite=True)):
+        with raises(sp.SphorgeError, match=r"`\.\.` is no name of a folder.*out=\.\.\."):
+            make()
+    assert sorted(os.listdir(here)) == ["...toml"]
+    assert sp.Simulation(deck, out="a", threads=1).run().status == "completed"
+
+
+def test_the_text_of_a_deck_is_not_taken_for_a_path(here):
+    text = sp.Deck(PLATE).text
+    for of in (text, 'title = "Bar"', "title = 'a/b'"):
+        with raises(sp.SphorgeError, match="this is a text, not the path of a deck.*sphorge.Deck.from_text\\(text\\) takes the text"):
+            sp.Deck(of)
+    assert sp.Deck.from_text(text).text == text and "from_text" in sp.Deck.__doc__
+    # A path may look like it.
+    (here / "a = 1").write_text(text)
+    assert sp.Deck("a = 1").text == text

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from . import _sphorge, _toml
-from ._words import there_is_no, told
+from ._errors import SphorgeError
+from ._words import printable, there_is_no, told
 
 #: Names and titles of the shipped decks.
 decks: dict[str, str] = dict(_sphorge.decks())
@@ -23,19 +24,23 @@ class Catalogue(dict[str, dict[str, Any]]):
 
 
 class Deck:
-    """A deck: a file, a shipped one by its name, a ``dict``, or the text of one.
+    """A deck: the path of a file, the name of a shipped one, or a ``dict``. `from_text` takes the text of one.
 
     >>> deck = sphorge.Deck("iron-plate")
     >>> deck["particles.spacing"] = "0.6 mm"
+
+    ``name`` is that of a deck which has no file: that of the output folder, unless another is given.
     """
 
     def __init__(self, source: str | os.PathLike[str] | Mapping[str, Any], *, name: str | None = None) -> None:
         if isinstance(source, Mapping):
-            self._deck = _sphorge.Deck.of_text(told(name or "deck", "the name of the deck"), _toml.document(source))
+            self._deck = _sphorge.Deck.of_text(_named("deck" if name is None else name), _toml.document(source))
         elif isinstance(source, (str, os.PathLike)):
             text = os.fspath(source)
             if not isinstance(text, str):
                 raise TypeError("the path of a deck is a text")
+            if ("\n" in text or ("=" in text and not text.endswith(".toml"))) and not os.path.exists(text):
+                raise SphorgeError("this is a text, not the path of a deck or the name of a shipped one", hint="sphorge.Deck.from_text(text) takes the text of a deck")
             is_bare = isinstance(source, str) and Path(text).name == text
             if is_bare and not os.path.exists(text) and not text.endswith(".toml"):
                 self._deck = _sphorge.Deck.shipped(text)
@@ -48,9 +53,9 @@ class Deck:
     def from_text(cls, text: str, *, name: str = "deck") -> Deck:
         """A deck of a text in TOML."""
         deck = cls.__new__(cls)
-        if not isinstance(text, str) or not isinstance(name, str):
-            raise TypeError("from_text(): the text and the name of a deck are texts")
-        deck._deck = _sphorge.Deck.of_text(told(name, "the name of the deck"), told(text, "the text of the deck"))
+        if not isinstance(text, str):
+            raise TypeError(f"from_text(): the text of a deck is a text, not {type(text).__name__}")
+        deck._deck = _sphorge.Deck.of_text(_named(name), told(text, "the text of the deck"))
         return deck
 
     @property
@@ -110,9 +115,25 @@ def _of_parts(name: str, path: Path | None, text: str, overrides: list[tuple[str
     return deck
 
 
+def _named(name: Any) -> str:
+    """A name of a deck, if it is one of a folder alone."""
+    if not isinstance(name, str):
+        raise TypeError(f"the name of a deck is a text, not {type(name).__name__}")
+    told(name, "the name of the deck")
+    if name in ("", ".", "..") or any(c in "/\\" or not c.isprintable() for c in name):
+        raise ValueError(f"`{printable(name)}` is no name of a deck: its output folder is called so; leave out slashes, and choose the folder by `out`")
+    return name
+
+
 def folder_for(deck: Deck, ending: str, out: str | os.PathLike[str] | None) -> Path:
     """A folder that was given, or that of a deck."""
-    return Path("out") / f"{deck.name}{ending}" if out is None else Path(out)
+    if out is not None:
+        return Path(out)
+    # A file can be called what no folder is.
+    name = deck.name
+    if name in ("", ".", "..") or "/" in name or "\\" in name:
+        raise SphorgeError(f"`{printable(name)}` is no name of a folder", hint="give another one: out=...")
+    return Path("out") / f"{name}{ending}"
 
 
 def _as_deck(deck: Deck | str | os.PathLike[str] | Mapping[str, Any]) -> Deck:
