@@ -162,6 +162,24 @@ def test_what_is_wrong_is_told_before_the_first_run(here, bar, error, change):
     assert os.listdir(here) == []
 
 
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"params": {}}, r"params: what is looked for is a dict of keys and their bounds, and this one is empty: give \{"),
+        ({"params": [A]}, "params: .* not list: give"),
+        ({"targets": {}}, r"targets are a dict of measures, or experiments, and these are empty: give \[sphorge.Experiment"),
+        ({"targets": []}, "and these are empty"),
+        ({"targets": [{"height": 1.0}]}, r"and these have \{'height': 1.0\}"),
+        ({"targets": 5}, "and these have 5"),
+        ({"targets": sp.Experiment({})}, "experiment-1: what was measured is a dict .* and this one is empty"),
+        ({"targets": sp.Experiment({"height": 0.02}, set=["time.end"])}, "experiment-1: set is a dict .* not list"),
+    ],
+)
+def test_what_is_empty_or_no_dict_is_told_as_that(here, bar, change, told):
+    with raises(TypeError, match=told):
+        sp.calibrate(**{"deck": bar, "params": {B: ("100 MPa", "700 MPa")}, "targets": {"height": "20 mm"}, "out": "fit", **change})
+
+
 def test_an_uncertainty_is_a_difference(bar):
     bar["measure"] = [{"name": "hot", "maximum": {"field": "temperature"}}]
     checked = bar.check()

@@ -195,3 +195,16 @@ def test_fragments_of_a_frame(deck):
         fragments["mas"]
     frame = pytest.importorskip("pandas") and fragments.to_pandas()
     assert frame.attrs["units"]["spin_z"] == "rad/s" and frame["size_1"][0] == fragments["size"][0, 0]
+
+
+def test_formats_that_there_are_not_are_told_with_those_that_there_are(deck):
+    run = sp.Simulation(deck, out="a", threads=1).run()
+    for given in ({"format": "mp4"}, {"format": "mp4", "column": ["height"]}, {"format": "PNG"}, {"format": 5}):
+        with raises(sp.SphorgeError, match="there is no format `.*there are: png, svg, webp.*video of an animated PNG"):
+            run.plot(None if "column" in given else "pressure", **given)
+    for form in ("svg", "gif"):
+        with raises(sp.SphorgeError, match=f"an animation has no format `{form}`; .*there are: png, webp"):
+            run.plot("pressure", animate=True, format=form)
+    # An animation may be asked for by the format that it has.
+    assert run.plot("pressure", animate=True, format="png", frames=[0, 1]).data.count(b"fcTL") == 2
+    assert run.plot("pressure", format="svg").data.startswith(b"<svg")

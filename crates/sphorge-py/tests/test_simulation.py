@@ -544,6 +544,20 @@ def test_a_panic_becomes_an_exception(on_a_pool, capfd):
     assert issubclass(sp.InternalError, Exception)
 
 
+def test_what_is_given_in_a_wrong_way_is_told_with_the_right_one(here, deck):
+    simulation = sp.Simulation(deck, out="a", threads=1)
+    for register, how in ((simulation.every, r"@simulation.every\(steps=100\)"), (simulation.load, r'@simulation.load\("plate"\)'), (simulation.motion, "@simulation.motion")):
+        with raises(TypeError, match=how):
+            register(print)
+    with raises(TypeError, match="by name"):
+        simulation.every(5)
+    simulation.step()
+    simulation.stop()
+    for wrong in ([("time.end", "3 us")], "time.end", {"time.end"}):
+        with raises(TypeError, match="set is a dict of keys and their values, not (list|str|set)"):
+            sp.Simulation.resume("a", wrong)
+
+
 def test_a_resumed_run_takes_what_may_change_alone(here, deck):
     with raises(sp.SphorgeError, match="no-such|cannot read"):
         sp.Simulation.resume("no-such")

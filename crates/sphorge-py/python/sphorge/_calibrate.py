@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -15,7 +15,7 @@ from ._deck import Deck, _as_deck, folder_for
 from ._errors import SphorgeError, SphorgeWarning
 from ._run import _needs
 from ._studies import Study, _making, _program
-from ._words import absolute, whole
+from ._words import absolute, repr_of, whole
 
 if TYPE_CHECKING:
     from ._arrays import Array
@@ -296,7 +296,7 @@ def _number(of: Any, unit: str, what: str, read: Callable[[str, str], float] = _
 
 def _targets(experiment: Experiment, checked: dict[str, Any], name: str) -> list[_Target]:
     if not isinstance(experiment.measured, Mapping) or not experiment.measured:
-        raise TypeError(f"{name}: what was measured is a dict of measures and their values")
+        raise TypeError(f"{name}: what was measured is a dict of measures and their values, {'and this one is empty' if experiment.measured == {} else 'not ' + type(experiment.measured).__name__}")
     targets = []
     for measure, of in experiment.measured.items():
         units: dict[str, str] = checked["measure_units"]
@@ -315,7 +315,8 @@ def _targets(experiment: Experiment, checked: dict[str, Any], name: str) -> list
 def _bounds(params: Mapping[str, Any]) -> tuple[list[str], list[str], list[tuple[float, float]], list[float]]:
     """Keys, units, bounds and starting points (from 0 to 1)."""
     if not isinstance(params, Mapping) or not params:
-        raise TypeError("what is looked for is a dict of keys and their bounds: {\"material.iron.strength.johnson-cook.A\": (\"100 MPa\", \"400 MPa\")}")
+        empty = " and this one is empty:" if isinstance(params, Mapping) else f" not {type(params).__name__}:"
+        raise TypeError(f"params: what is looked for is a dict of keys and their bounds,{empty} give {{\"material.iron.strength.johnson-cook.A\": (\"100 MPa\", \"400 MPa\")}}")
     keys, units, bounds, start = [], [], [], []
     for key, of in params.items():
         if not isinstance(key, str):
@@ -370,9 +371,13 @@ def calibrate(
     """
     deck = _as_deck(deck)
     keys, units, bounds, start = _bounds(params)
-    given = [targets] if isinstance(targets, Experiment) else [Experiment(targets)] if isinstance(targets, Mapping) else list(targets)
-    if not given or not all(isinstance(one, Experiment) for one in given):
-        raise TypeError("targets are a dict of measures, or experiments: [sphorge.Experiment({\"height\": \"20.4 mm\"}, set={...}), ...]")
+    is_one = isinstance(targets, (Experiment, Mapping))
+    listed = [targets] if is_one or not isinstance(targets, Iterable) else list(targets)
+    given = [Experiment(one) if one is targets and isinstance(one, Mapping) else one for one in listed]
+    odd = [one for one in given if not isinstance(one, Experiment)]
+    if odd or not given or (isinstance(targets, Mapping) and not targets):
+        what = f"these have {repr_of(odd[0])}" if odd else "these are empty"
+        raise TypeError(f"targets are a dict of measures, or experiments, and {what}: give [sphorge.Experiment({{\"height\": \"20.4 mm\"}}, set={{...}}), ...]")
     making = _making(workers, threads)
     most_points = whole(most_points, "most_points", 10_000)
     folder = absolute(folder_for(deck, "-calibration", out))
@@ -383,6 +388,8 @@ def calibrate(
         if any(bench.name == name for bench in benches) or name == ".." or Path(name).name != name:
             raise ValueError(f"the name {name!r} is not one of an experiment alone")
         own = (deck if experiment.deck is None else _as_deck(experiment.deck)).copy()
+        if not isinstance(experiment.set, Mapping):
+            raise TypeError(f"{name}: set is a dict of keys and their values, not {type(experiment.set).__name__}")
         for key, value in experiment.set.items():
             own[key] = value
         # All that can be wrong with it is told before the first run.

@@ -120,7 +120,7 @@ def draw(folders: Sequence[str | os.PathLike[str]], ending: str = ".png", **opti
     _check(options)
     if ending == ".webp":
         _needs("PIL.Image", "pillow")
-        return Picture(_webp(draw(folders, **{name: value for name, value in options.items() if name != "format"}).data), ending)
+        return Picture(_webp(draw(folders, **options).data), ending)
     own = Path(tempfile.mkdtemp(prefix="sphorge-"))
     try:
         file = own / f"picture{ending}"

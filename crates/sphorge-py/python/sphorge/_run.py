@@ -360,7 +360,8 @@ class Run:
         >>> run.plot("plastic_strain", section=True, frames=["first", "last"])
         >>> run.plot(column=["height", "width"])
 
-        Options are those of ``sphorge plot`` with ``_`` for ``-``; ``format="svg"`` draws lines that scale.
+        Options are those of ``sphorge plot`` with ``_`` for ``-``; ``format="svg"`` draws lines that scale, ``format="webp"`` needs Pillow, and
+        ``animate=True`` makes an animated PNG or WebP.
         """
         if field is None and "column" not in options:
             return self.frames[-1].plot(**options)
@@ -419,7 +420,13 @@ class Run:
 def _draw(folders: list[Path], options: dict[str, Any]) -> Any:
     from ._picture import draw
 
-    return draw(folders, "." + options.get("format", "png"), **options)
+    formats = ["png", "webp"] if options.get("animate") else ["png", "svg", "webp"]
+    form = options.get("format")
+    if form is not None and form not in formats:
+        message = there_is_no("plot(): an animation has no format" if options.get("animate") else "plot(): there is no format", form, formats)
+        raise SphorgeError(message, hint="a program such as `ffmpeg` makes a video of an animated PNG")
+    # The ending says it.
+    return draw(folders, f".{form or 'png'}", **{name: value for name, value in options.items() if name != "format"})
 
 
 def _needs(module: str, package: str | None = None) -> Any:

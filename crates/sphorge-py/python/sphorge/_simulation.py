@@ -12,7 +12,7 @@ from collections.abc import Callable, Coroutine, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from types import TracebackType
-from typing import Any, TYPE_CHECKING
+from typing import Any, NoReturn, TYPE_CHECKING
 
 from . import _notebook, _sphorge
 from ._arrays import array
@@ -180,6 +180,8 @@ class Simulation:
         from ._toml import override
 
         threads = check_threads(threads)
+        if set is not None and not isinstance(set, Mapping):
+            raise TypeError(f"resume(): set is a dict of keys and their values, not {type(set).__name__}")
         simulation = cls.__new__(cls)
         overrides = [(key, override(value, key)) for key, value in (set or {}).items()]
         place = absolute(folder)
@@ -423,6 +425,12 @@ class Simulation:
             text = _sphorge.summary(self.folder)
         return None if text is None else json.loads(text)
 
+    def _files(self) -> Run:
+        """The run with its files."""
+        run = Run(self.folder)
+        run._given = self._given
+        return run
+
     def step(self) -> State | None:
         """Takes a step; the state after it, or ``None`` if the run has ended."""
         self._advance(step=self._step + 1)
@@ -435,7 +443,7 @@ class Simulation:
         """Goes on to the end, and returns the run with its files."""
         self._advance()
         self._conclude()
-        return Run(self.folder)
+        return self._files()
 
     def stop(self) -> Run:
         """Ends the run where it is and saves its state, as Ctrl-C does; nothing if it has ended."""
@@ -443,9 +451,9 @@ class Simulation:
         if not self._has_ended:
             self._finish()
         self._conclude()
-        return Run(self.folder)
+        return self._files()
 
-    def every(self, *, steps: int | None = None, time: float | str | None = None) -> Callable[[Callback], Callback]:
+    def every(self, *given: NoReturn, steps: int | None = None, time: float | str | None = None) -> Callable[[Callback], Callback]:
         """Has a function called with the `State` after every so many steps, or after the first step past every multiple of a time.
 
         >>> @simulation.every(time="1 us")
@@ -455,8 +463,8 @@ class Simulation:
         It returns nothing, or `STOP`; anything else is a ``TypeError``. An exception that it raises ends the run as Ctrl-C does, and is passed on, ``StopIteration``
         as a ``RuntimeError``; ``stopped_by`` of the summary has its text.
         """
-        if (steps is None) == (time is None):
-            raise TypeError("every(): give either steps or time")
+        if given or (steps is None) == (time is None):
+            raise TypeError("every(): give either steps or time, by name: @simulation.every(steps=100) or @simulation.every(time=\"1 us\")")
         self._refuse_what_is_never_called("every")
         count = None if steps is None else whole(steps, "every(): steps", _MOST_STEPS)
         interval = None if time is None else _seconds(time)
@@ -503,7 +511,8 @@ class Simulation:
             message = "this simulation takes no loads and velocities from a program"
             raise SphorgeError(message, hint="the engine `cpu` does, in one process, of decks whose bodies can move")
         if not isinstance(name, str):
-            raise TypeError(f"{what}(): a name is a text, not {type(name).__name__}")
+            how = f": @simulation.{what}(\"{names[0] if names else 'name'}\")" if callable(name) else ""
+            raise TypeError(f"{what}(): a name is a text, not {type(name).__name__}{how}")
         self._refuse_what_is_never_called(what)
         if name not in names:
             there = f"there are: {', '.join(names)}" if names else "there are none"
