@@ -27,7 +27,7 @@ use std::{
     process,
     sync::{
         Arc, Mutex, MutexGuard, TryLockError,
-        atomic::{AtomicBool, Ordering},
+        atomic::{AtomicBool, AtomicU64, Ordering},
         mpsc::{Receiver, RecvTimeoutError, Sender, channel},
     },
     thread::{self, JoinHandle},
@@ -106,6 +106,25 @@ impl Whole {
     }
 }
 
+/// What threads that do not drive a run may ask of it at any time.
+#[derive(Default)]
+struct Live {
+    /// Tells the run to end after its step.
+    stop: AtomicBool,
+    step: AtomicU64,
+    /// Bits of the time, s.
+    time: AtomicU64,
+    particles: AtomicU64,
+}
+
+impl Live {
+    fn note(&self, step: u64, time: f64, particles: usize) {
+        self.step.store(step, Ordering::Relaxed);
+        self.time.store(time.to_bits(), Ordering::Relaxed);
+        self.particles.store(particles as u64, Ordering::Relaxed);
+    }
+}
+
 /// How a run did not end well.
 enum Failure {
     Run(RunError),
@@ -129,6 +148,7 @@ struct Watch {
     unless_driven: Vec<String>,
     stopped_by: Option<String>,
     is_told: bool,
+    live: Arc<Live>,
 }
 
 impl Watch {
@@ -145,6 +165,7 @@ impl Observer for Watch {
             self.tell(News::Ready(Box::new(Whole::of(state))));
         }
         let (step, time) = (state.steps(), state.time());
+        self.live.note(step, time, state.count());
         let dt = (time - self.last_time).max(0.0);
         self.last_time = time;
         let until = self.until;
@@ -224,7 +245,7 @@ struct Link {
     orders: Option<Sender<Order>>,
     news: Receiver<News>,
     thread: Option<JoinHandle<()>>,
-    stop: Arc<AtomicBool>,
+    live: Arc<Live>,
     whole: Option<Box<Whole>>,
     moment: Moment,
     is_paused: bool,
@@ -239,8 +260,8 @@ impl Link {
     ) -> std::io::Result<Self> {
         let (order, orders) = channel();
         let (tell, news) = channel();
-        let stop = Arc::new(AtomicBool::new(false));
-        let flag = Arc::clone(&stop);
+        let live = Arc::new(Live::default());
+        let shared = Arc::clone(&live);
         let thread = thread::Builder::new().name("sphorge".to_owned()).spawn(move || {
             let until = Until { step: Some(0), ..Until::default() };
             let mut watch = Watch {
@@ -255,8 +276,9 @@ impl Link {
                 unless_driven: Vec::new(),
                 stopped_by: None,
                 is_told: false,
+                live: Arc::clone(&shared),
             };
-            let ended = catch_unwind(AssertUnwindSafe(|| run(&flag, &mut watch)));
+            let ended = catch_unwind(AssertUnwindSafe(|| run(&shared.stop, &mut watch)));
             let ended = ended.unwrap_or_else(|panic| Err(Failure::Panic(guard::message(&*panic))));
             watch.tell(News::Ended(ended.map(Box::new)));
         })?;
@@ -265,7 +287,7 @@ impl Link {
             orders: Some(order),
             news,
             thread: Some(thread),
-            stop,
+            live,
             whole: None,
             moment: Moment::default(),
             is_paused: false,
@@ -319,7 +341,7 @@ impl Link {
                     if interrupt.is_some() {
                         return Err(signal);
                     }
-                    self.stop.store(true, Ordering::Relaxed);
+                    self.live.stop.store(true, Ordering::Relaxed);
                     interrupt = Some(signal);
                 }
                 Err(RecvTimeoutError::Disconnected) => {
@@ -332,7 +354,7 @@ impl Link {
 
     /// Lets the run end where it is, and waits for it.
     fn finish(&mut self, py: Python<'_>) -> PyResult<()> {
-        self.stop.store(true, Ordering::Relaxed);
+        self.live.stop.store(true, Ordering::Relaxed);
         while self.ended.is_none() {
             if self.is_paused {
                 self.is_paused = false;
@@ -346,7 +368,7 @@ impl Link {
 
 impl Drop for Link {
     fn drop(&mut self) {
-        self.stop.store(true, Ordering::Relaxed);
+        self.live.stop.store(true, Ordering::Relaxed);
         self.orders = None;
         let thread = self.thread.take();
         if self.process == process::id() {
@@ -369,6 +391,7 @@ type Told = (f64, Option<u64>, (bool, Vec<bool>, Vec<bool>), usize, Vec<String>,
 #[pyclass(module = "sphorge._sphorge", frozen)]
 pub(crate) struct Driver {
     link: Mutex<Link>,
+    live: Arc<Live>,
 }
 
 impl Driver {
@@ -381,7 +404,7 @@ impl Driver {
         link.listen(py)?;
         match &link.ended {
             Some(Err(failure)) if link.moment.particles == 0 => Err(raise(py, failure)),
-            _ => Ok(Self { link: Mutex::new(link) }),
+            _ => Ok(Self { live: Arc::clone(&link.live), link: Mutex::new(link) }),
         }
     }
 
@@ -392,7 +415,7 @@ impl Driver {
             Err(TryLockError::Poisoned(link)) => link.into_inner(),
             Err(TryLockError::WouldBlock) => {
                 return Err(errors::misuse(
-                    "another thread waits for this simulation: use it from one thread at a time",
+                    "another thread drives this simulation: use it from one thread at a time; `stop()` asks it to end",
                 ));
             }
         };
@@ -520,10 +543,21 @@ impl Driver {
         link.finish(py)
     }
 
-    /// Number of particles.
+    /// Tells the run to end after its step, whichever thread waits for it.
+    fn ask_to_stop(&self) {
+        self.live.stop.store(true, Ordering::Relaxed);
+    }
+
+    /// Steps and time (s) of the run, whichever thread waits for it.
     #[getter]
-    fn particles(&self) -> PyResult<usize> {
-        Ok(self.link()?.moment.particles)
+    fn at(&self) -> (u64, f64) {
+        (self.live.step.load(Ordering::Relaxed), f64::from_bits(self.live.time.load(Ordering::Relaxed)))
+    }
+
+    /// Number of particles, whichever thread waits for the run.
+    #[getter]
+    fn particles(&self) -> u64 {
+        self.live.particles.load(Ordering::Relaxed)
     }
 
     /// End time, s, most steps, whether loads and velocities can be given, for which bodies and motions they were before, dimensions, and names of bodies and of the regions with a prescribed motion.

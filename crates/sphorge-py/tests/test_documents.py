@@ -19,7 +19,7 @@ def test_the_extras_that_are_listed_are_those_of_the_package():
 
 
 @pytest.mark.skipif(not (ROOT / "docs").exists(), reason="only in the repository")
-@pytest.mark.parametrize(("page", "count"), [("docs/python.md", 7), ("README.md", 1), ("crates/sphorge-py/README.md", 1)])
+@pytest.mark.parametrize(("page", "count"), [("docs/python.md", 9), ("README.md", 1), ("crates/sphorge-py/README.md", 1)])
 def test_what_a_page_shows_runs_as_it_stands(here, page, count):
     blocks = [part.split("```")[0] for part in (ROOT / page).read_text(encoding="utf-8").split("```python\n")[1:]]
     assert len(blocks) == count

@@ -5,13 +5,16 @@ import functools
 import gc
 import os
 import pickle
+import re
 import shutil
 import signal
 import subprocess
 import sys
 import threading
+import time
 import warnings
 import weakref
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -508,13 +511,101 @@ def test_one_thread_at_a_time_drives(long_deck):
     refused = 0
     while worker.is_alive():
         try:
-            simulation._driver.particles
+            simulation._driver.news()
         except RuntimeError as error:
             assert "another thread" in str(error)
             refused += 1
     worker.join()
     assert refused > 0
     simulation.stop()
+
+
+def wait_for(condition):
+    for _ in range(6000):
+        if condition():
+            return
+        time.sleep(0.01)
+    pytest.fail("it did not come in a minute")
+
+
+@pytest.mark.parametrize("drive", [sp.Simulation.run, list, lambda simulation: [state for state in iter(simulation.step, None)]])
+def test_another_thread_asks_a_run_to_end_and_sees_how_far_it_is(here, long_deck, drive):
+    simulation = sp.Simulation(long_deck, out="a", threads=1)
+    failed = []
+
+    def work():
+        try:
+            drive(simulation)
+        except BaseException as error:
+            failed.append(error)
+
+    worker = threading.Thread(target=work)
+    worker.start()
+    seen = []
+    wait_for(lambda: simulation.steps > 20)
+    for _ in range(3):
+        seen.append((simulation.steps, simulation.time, simulation.progress))
+        wait_for(lambda: simulation.steps > seen[-1][0])
+    assert all(0 < step and 0.0 < at and share == pytest.approx(at / 50e-3, rel=0.5) for step, at, share in seen)
+    assert sorted(seen) == seen and simulation.particles == 192 and "step 0," not in repr(simulation)
+    assert simulation.stop().folder == here / "a"
+    worker.join(60)
+    assert not worker.is_alive() and failed == []
+    assert simulation.has_ended and simulation.summary["status"] == "stopped" and simulation.summary["end_reason"] == "user"
+    assert list((here / "a").glob("checkpoint-*.zip")) and simulation.stop().status == "stopped"
+
+
+def test_a_thread_may_stop_what_another_one_is_between_two_frames_of(here, long_deck):
+    for number in range(5):
+        simulation = sp.Simulation(long_deck, out=f"{number}", threads=1)
+        ended, at_work = [], threading.Event()
+
+        def work(simulation=simulation, ended=ended, at_work=at_work):
+            try:
+                for frame in simulation:
+                    at_work.set()
+                ended.append("over")
+            except BaseException as error:
+                ended.append(error)
+
+        worker = threading.Thread(target=work)
+        worker.start()
+        at_work.wait()
+        time.sleep(0.001 * number)
+        simulation.stop()
+        worker.join(60)
+        assert ended == ["over"] and simulation.summary["status"] == "stopped"
+
+
+def test_the_end_of_the_interpreter_saves_what_a_daemon_thread_drives(here, long_deck):
+    (here / "long.toml").write_text(long_deck.text)
+    program = (
+        "import sphorge as sp, threading, time\n"
+        "s = sp.Simulation('long.toml', out='a', threads=1)\n"
+        "threading.Thread(target={}, daemon=True).start()\n"
+        "while s.steps < 20: time.sleep(0.01)\n"
+    )
+    for work in ("s.run", "lambda: list(s)"):
+        made = subprocess.run([sys.executable, "-c", program.format(work)], capture_output=True, text=True, timeout=60)
+        assert (made.returncode, made.stderr) == (0, "")
+        assert sp.Run("a").status == "stopped" and list((here / "a").glob("checkpoint-*.zip"))
+        shutil.rmtree(here / "a")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no such signals")
+@pytest.mark.parametrize(("body", "ended"), [("s.run()", "KeyboardInterrupt"), ("for frame in s: time.sleep(0.01)", "KeyboardInterrupt")])
+def test_the_lines_of_the_documentation_save_at_sigterm(here, long_deck, body, ended):
+    page = Path(__file__).parents[3] / "docs/python.md"
+    if not page.exists():
+        pytest.skip("only in the repository")
+    lines = re.search(r"import signal\nsignal\.signal\(signal\.SIGTERM.*", page.read_text(encoding="utf-8")).group()
+    (here / "long.toml").write_text(long_deck.text)
+    program = f"import time\nimport sphorge as sp\n{lines}\ns = sp.Simulation('long.toml', out='a', threads=1)\n{body}\n"
+    child = subprocess.Popen([sys.executable, "-c", program], stderr=subprocess.PIPE, text=True)
+    wait_for(lambda: (here / "a/fields/000002.vtp").exists() or child.poll() is not None)
+    child.terminate()
+    _, told = child.communicate(timeout=60)
+    assert ended in told and sp.Run("a").status == "stopped" and list((here / "a").glob("checkpoint-*.zip"))
 
 
 def test_other_threads_run_while_steps_are_taken(deck):

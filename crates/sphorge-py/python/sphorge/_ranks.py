@@ -57,7 +57,8 @@ class RankedDriver:
             start_new_session=True,
         )
         self._frames = 0
-        self._at = (0, 0.0)
+        self._is_asked = False
+        self._reached = (0, 0.0)
 
     def _look(self) -> tuple[Any, ...]:
         """What is new in the folder."""
@@ -70,8 +71,8 @@ class RankedDriver:
         new = [(index, listed[index][0]) for index in range(self._frames, len(listed))]
         self._frames = max(self._frames, len(listed))
         if new:
-            self._at = (_sphorge.Frame(listed[-1][1]).step, new[-1][1])
-        step, reached = self._at
+            self._reached = (_sphorge.Frame(listed[-1][1]).step, new[-1][1])
+        step, reached = self._reached
         return (code is not None, step, reached, 0.0, new, [], [])
 
     def news(self) -> tuple[Any, ...]:
@@ -93,10 +94,20 @@ class RankedDriver:
                 self.stop()
                 raise
 
-    def stop(self, by: str | None = None) -> None:
-        if self._running.poll() is None and os.getpid() == self._process:
+    @property
+    def at(self) -> tuple[int, float]:
+        return self._reached
+
+    def ask_to_stop(self) -> None:
+        # Once: at a second one they would not save.
+        if self._running.poll() is None and os.getpid() == self._process and not self._is_asked:
+            self._is_asked = True
             # `mpirun` gives this signal to its ranks, which save their states.
             self._running.send_signal(signal.SIGUSR2)
+
+    def stop(self, by: str | None = None) -> None:
+        if self._running.poll() is None and os.getpid() == self._process:
+            self.ask_to_stop()
             self._running.wait()
 
     def summary(self) -> str | None:

@@ -6,6 +6,8 @@ import atexit
 import json
 import math
 import os
+import threading
+import time
 import warnings
 import weakref
 from collections.abc import Callable, Coroutine, Iterator, Mapping, Sequence
@@ -212,6 +214,10 @@ class Simulation:
         self._loads: dict[int, Callback] = {}
         self._motions: dict[int, Callback] = {}
         self._is_calling = False
+        # Held by the thread that drives it, and which one that is.
+        self._helm = threading.Lock()
+        self._thread: int | None = None
+        self._is_asked_to_stop = False
         self._has_ended = False
         self._concluded = False
         self._step, self._time, self._dt = 0, 0.0, 0.0
@@ -242,14 +248,22 @@ class Simulation:
         for _, text in found:
             warnings.warn(text, SphorgeWarning, stacklevel=4)
 
+    def _is_elsewhere(self) -> bool:
+        """Whether another thread drives it now."""
+        return self._thread not in (None, threading.get_ident())
+
     def _refuse_a_callback(self) -> None:
-        if self._is_calling:
+        if self._is_calling and not self._is_elsewhere():
             message = "a callback cannot drive the run that calls it between two steps"
             raise SphorgeError(message, hint="return sphorge.STOP to end the run")
 
     def _advance(self, *, step: int | None = None, frame: bool = False) -> None:
         """Goes on to a step, the next frame or the end, and calls what is due on the way."""
         self._refuse_a_callback()
+        # Whoever comes while it is stopped waits for that.
+        if not self._helm.acquire(blocking=self._is_asked_to_stop):
+            raise RuntimeError("another thread drives this simulation: use it from one thread at a time; `stop()` asks it to end")
+        self._thread = threading.get_ident()
         try:
             self._go_on(step, frame)
         except KeyboardInterrupt:
@@ -257,6 +271,9 @@ class Simulation:
             if not self._has_ended:
                 self._finish()
             raise
+        finally:
+            self._thread = None
+            self._helm.release()
 
     def _go_on(self, step: int | None, frame: bool) -> None:
         if not self._has_ended:
@@ -386,21 +403,27 @@ class Simulation:
         count: int = self._driver.particles
         return count
 
+    def _at(self) -> tuple[int, float]:
+        """Steps and time, also while another thread drives it."""
+        at: tuple[int, float] = self._driver.at if self._is_elsewhere() else (self._step, self._time)
+        return at
+
     @property
     def time(self) -> float:
         """Time reached, s."""
-        return self._time
+        return self._at()[1]
 
     @property
     def steps(self) -> int:
         """Steps done."""
-        return self._step
+        return self._at()[0]
 
     @property
     def progress(self) -> float:
         """Share done, from 0 to 1: of the end time, or of the deck's number of steps where that comes first."""
-        shares = [self._time / self._end] if self._end else []
-        shares += [self._step / self._most_steps] if self._most_steps else []
+        step, time = self._at()
+        shares = [time / self._end] if self._end else []
+        shares += [step / self._most_steps] if self._most_steps else []
         return min(max(shares, default=1.0 if self._has_ended else 0.0), 1.0)
 
     @property
@@ -446,10 +469,20 @@ class Simulation:
         return self._files()
 
     def stop(self) -> Run:
-        """Ends the run where it is and saves its state, as Ctrl-C does; nothing if it has ended."""
+        """Ends the run where it is and saves its state, as Ctrl-C does; nothing if it has ended.
+
+        While another thread drives it, this asks the run to end after its step, and does not wait: the other thread goes on when the state is saved.
+        """
         self._refuse_a_callback()
-        if not self._has_ended:
-            self._finish()
+        self._is_asked_to_stop = True
+        if not self._helm.acquire(blocking=False):
+            self._driver.ask_to_stop()
+            return self._files()
+        try:
+            if not self._has_ended:
+                self._finish()
+        finally:
+            self._helm.release()
         self._conclude()
         return self._files()
 
@@ -530,7 +563,8 @@ class Simulation:
         return add
 
     def _repr_html_(self) -> str:
-        rows = {"folder": os.fspath(self._given), "step": str(self._step), "time": f"{self._time:.4g} s", "done": f"{100 * self.progress:.0f} %"}
+        step, time = self._at()
+        rows = {"folder": os.fspath(self._given), "step": str(step), "time": f"{time:.4g} s", "done": f"{100 * self.progress:.0f} %"}
         if self._has_ended:
             rows["status"] = "ended"
         try:
@@ -566,7 +600,8 @@ class Simulation:
 
     def __repr__(self) -> str:
         where = "ended" if self._has_ended else "under way"
-        return f"<sphorge.Simulation in {os.fspath(self._given)!r}: {where}, step {self._step}, {self._time:g} s>"
+        step, time = self._at()
+        return f"<sphorge.Simulation in {os.fspath(self._given)!r}: {where}, step {step}, {time:g} s>"
 
 
 #: Flags of the code of functions whose call executes nothing, and what they are.
@@ -621,6 +656,9 @@ def _name(call: Any) -> str:
     return printable(name) if isinstance(name, str) else "function"
 
 
+#: How long the end of the interpreter waits for simulations that other threads drive, s.
+_PATIENCE = 60.0
+
 _open: weakref.WeakSet[Simulation] = weakref.WeakSet()
 _process = os.getpid()
 
@@ -630,8 +668,20 @@ def _close() -> None:
     """Saves the states of simulations that were left, before the process takes their threads away."""
     if os.getpid() != _process:
         return
-    for simulation in list(_open):
-        try:
-            simulation._driver.stop()
-        except Exception:  # noqa: BLE001 (there is nobody left to tell)
-            pass
+    left = list(_open)
+    # All at once: a thread that does not keep the interpreter may wait for one.
+    for simulation in left:
+        simulation._driver.ask_to_stop()
+    until = time.monotonic() + _PATIENCE
+    for simulation in left:
+        while True:
+            try:
+                simulation._driver.stop()
+            except RuntimeError:
+                # Its thread still waits for it.
+                if time.monotonic() < until:
+                    time.sleep(0.01)
+                    continue
+            except Exception:  # noqa: BLE001 (there is nobody left to tell)
+                pass
+            break
