@@ -213,5 +213,7 @@ fn measures_over_spacings_have_an_order_and_a_limit() {
     wrong("1 mm,2 s").expect_told(&["not all lengths"]);
     wrong("1 mm,0 mm").expect_told(&["not above zero"]);
     wrong("1 mm,1000 um").expect_told(&["`1000 um` is given twice"]);
+    let without = ["convergence", "plate.toml", "--spacing", "1 mm,2 mm", "-o", "d", "--set", "measure=[]"];
+    place.run(&without).expect_code(2).expect_told(&["the deck has no measure", "add a [[measure]]"]);
     assert!(!place.path("d").exists());
 }

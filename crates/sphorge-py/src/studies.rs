@@ -7,6 +7,7 @@ use pyo3::{
 };
 use sphorge::{
     engine::EngineKind,
+    output::Summary,
     plot::{Paper, PictureFormat},
     sweep::{
         Convergence, Planning, Process, Sweep, SweepError, SweepTable, Varied,
@@ -75,35 +76,65 @@ fn notes_of(sweep: &Sweep) -> Vec<Vec<String>> {
     sweep.runs.iter().map(|run| run.notes.iter().map(|note| of_python(note)).collect()).collect()
 }
 
-/// A table as columns, each with its name and unit.
+/// A table as columns, each with its name and unit: those of its file, under the same names.
 fn told<'py>(py: Python<'py>, table: &SweepTable, notes: Vec<Vec<String>>) -> PyResult<Bound<'py, PyDict>> {
     let columns = PyDict::new(py);
     let units = PyDict::new(py);
+    // A measure may be called like another column.
+    let free = |name: &str| -> PyResult<String> {
+        let mut name = name.to_owned();
+        while columns.contains(&name)? {
+            name.insert_str(0, "measure.");
+        }
+        Ok(name)
+    };
     columns.set_item("run", table.rows.iter().map(|row| row.run.as_str()).collect::<Vec<_>>())?;
     for (k, key) in table.keys.iter().enumerate() {
         let numbers: Option<Vec<f64>> = table.rows.iter().map(|row| row.numbers[k]).collect();
+        let name = free(&key.name)?;
         match numbers {
-            Some(numbers) => columns.set_item(&key.name, numbers)?,
-            None => {
-                columns.set_item(&key.name, table.rows.iter().map(|row| row.values[k].as_str()).collect::<Vec<_>>())?
-            }
+            Some(numbers) => columns.set_item(&name, numbers)?,
+            None => columns.set_item(&name, table.rows.iter().map(|row| row.values[k].as_str()).collect::<Vec<_>>())?,
         }
-        units.set_item(&key.name, &key.unit)?;
+        units.set_item(name, &key.unit)?;
     }
-    columns.set_item("status", table.rows.iter().map(|row| row.status()).collect::<Vec<_>>())?;
-    columns.set_item("warnings", table.rows.iter().map(|row| row.warnings().join(" ")).collect::<Vec<_>>())?;
+    columns.set_item(free("status")?, table.rows.iter().map(|row| row.status()).collect::<Vec<_>>())?;
+    columns.set_item(free("warnings")?, table.rows.iter().map(|row| row.warnings().join(" ")).collect::<Vec<_>>())?;
+    let measure_columns = PyDict::new(py);
     for measure in &table.measures {
         let values = table.rows.iter().map(|row| row.measure(&measure.name).unwrap_or(f64::NAN));
-        columns.set_item(&measure.name, values.collect::<Vec<_>>())?;
-        units.set_item(&measure.name, &measure.unit)?;
+        let name = free(&measure.name)?;
+        columns.set_item(&name, values.collect::<Vec<_>>())?;
+        units.set_item(&name, &measure.unit)?;
+        measure_columns.set_item(&measure.name, name)?;
     }
-    let seconds = table.rows.iter().map(|row| row.summary.as_ref().map_or(f64::NAN, |summary| summary.wall_seconds));
-    columns.set_item("wall_seconds", seconds.collect::<Vec<_>>())?;
-    units.set_item("wall_seconds", "s")?;
+    let number = |name: &str, unit: &str, pick: fn(&Summary) -> f64| -> PyResult<()> {
+        let values = table.rows.iter().map(|row| row.summary.as_ref().map_or(f64::NAN, |of| pick(of)));
+        let name = free(name)?;
+        columns.set_item(&name, values.collect::<Vec<_>>())?;
+        if unit.is_empty() { Ok(()) } else { units.set_item(name, unit) }
+    };
+    let count = |name: &str, pick: fn(&Summary) -> u64| -> PyResult<()> {
+        let counts: Option<Vec<u64>> = table.rows.iter().map(|row| row.summary.as_ref().map(|of| pick(of))).collect();
+        match counts {
+            Some(counts) => columns.set_item(free(name)?, counts),
+            // There is no whole number for what is missing.
+            None => {
+                let values = table.rows.iter().map(|row| row.summary.as_ref().map_or(f64::NAN, |of| pick(of) as f64));
+                columns.set_item(free(name)?, values.collect::<Vec<_>>())
+            }
+        }
+    };
+    number("simulated_time", "s", |summary| summary.simulated_time)?;
+    number("wall_seconds", "s", |summary| summary.wall_seconds)?;
+    count("steps", |summary| summary.steps)?;
+    count("particles", |summary| summary.particles)?;
+    number("energy_drift", "", |summary| summary.energy.relative_drift)?;
     let dict = PyDict::new(py);
     dict.set_item("columns", columns)?;
     dict.set_item("units", units)?;
     dict.set_item("keys", table.keys.iter().map(|key| key.name.as_str()).collect::<Vec<_>>())?;
+    dict.set_item("measure_columns", measure_columns)?;
     dict.set_item("measures", table.measures.iter().map(|of| of.name.as_str()).collect::<Vec<_>>())?;
     dict.set_item("told", table.rows.iter().map(|row| row.told.clone()).collect::<Vec<_>>())?;
     dict.set_item("text", table.to_string())?;

@@ -73,6 +73,35 @@ def test_what_is_wrong_is_told_before_the_first_run(here, deck):
     assert os.listdir(here) == []
 
 
+def test_the_table_is_that_of_the_file(here, deck):
+    study = sp.sweep(deck, {"particles.spacing": ["2 mm", "3 mm"]}, out="s")
+    head, *lines = [line.split(",") for line in (here / "s/sweep.csv").read_text().splitlines()]
+    assert [f"{name} ({study.units[name]})" if study.units.get(name) else name for name in study.table] == head
+    for column, name in enumerate(study.table):
+        for line, value in zip(lines, study.table[name]):
+            assert line[column] == value if isinstance(value, str) else float(line[column]) == value, name
+    summaries = [run.summary for run in study.runs]
+    assert study.table["steps"].dtype.kind == study.table["particles"].dtype.kind == "i"
+    assert study.table["steps"].tolist() == [of["steps"] for of in summaries] and min(study.table["steps"]) > 0
+    assert study.table["particles"].tolist() == [of["particles"] for of in summaries]
+    np.testing.assert_allclose(study.table["simulated_time"], 2e-6, rtol=1e-12)
+    # What has not run has no numbers, and a measure may be called like a column.
+    deck["time.fixed-step"] = "300 ns"
+    height = deck["measure"][0]
+    deck["measure"] = [{**height, "name": name} for name in ("status", "steps", "height")]
+    study = sp.sweep(deck, {"particles.spacing": ["0.5 mm", "2 mm"]}, out="t")
+    assert study.table["status"] == ["failed", "completed"] and "measure.status" in study.table
+    assert study.table["measure.status"][1] == study.table["steps"][1] == study.table["height"][1] > 0.01
+    assert study.table["measure.steps"][1] == study.runs[1].summary["steps"]
+
+
+def test_a_convergence_of_nothing_is_refused_before_the_first_run(here, deck):
+    deck["measure"] = []
+    with raises(sp.SphorgeError, match="the deck has no measure, so that there is nothing whose order"):
+        sp.convergence(deck, ["3 mm", "2 mm"], out="c")
+    assert os.listdir(here) == []
+
+
 def test_a_run_that_fails_is_a_row(deck):
     deck["time.fixed-step"] = "300 ns"
     study = sp.sweep(deck, {"particles.spacing": ["0.5 mm", "2 mm"]}, out="s")

@@ -460,7 +460,7 @@ def _deviations(benches: list[_Bench], studies: dict[str, Study], row: int) -> A
 
 def _measured(study: Study, measure: str, row: int) -> float:
     """What a run has measured, NaN where it has not. A study none of whose runs has begun has no measures."""
-    return float(study.table[measure][row]) if measure in study.table else math.nan
+    return float(study.table[study._columns[measure]][row]) if measure in study._columns else math.nan
 
 
 def _why_not(benches: list[_Bench], studies: dict[str, Study], row: int) -> str:
@@ -503,9 +503,9 @@ def _conclude(
     found.values = {key: float(text) for key, text in zip(found.units, points[best])}
     _warn(found, benches)
     for bench in benches:
-        table = found.studies[bench.name].table
-        found.measure_units |= {of.measure: found.studies[bench.name].units.get(of.measure, "") for of in bench.targets}
-        found.fitted[bench.name] = {of.measure: (of.value, float(table[of.measure][best])) for of in bench.targets}
+        study = found.studies[bench.name]
+        found.measure_units |= {of.measure: study.units.get(study._columns[of.measure], "") for of in bench.targets}
+        found.fitted[bench.name] = {of.measure: (of.value, _measured(study, of.measure, best)) for of in bench.targets}
     slopes = getattr(looking, "slopes", None)
     if slopes is not None:
         _, sizes, directions = np.linalg.svd(slopes, full_matrices=True)

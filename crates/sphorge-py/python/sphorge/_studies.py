@@ -25,7 +25,9 @@ _MOST_RUNS = 10_000
 
 
 class Study:
-    """The runs of a sweep. ``table`` has a list or array for each column: run, varied keys, status, warnings, measures, seconds, all in SI."""
+    """The runs of a sweep. ``table`` has a list or array for each column: run, varied keys, status, warnings, measures, simulated and wall seconds, steps, particles
+    and energy drift, all in SI. A measure that is called like another column has ``measure.`` before its name.
+    """
 
     def __init__(self, folder: Path, told: dict[str, Any]) -> None:
         import numpy as np
@@ -34,7 +36,7 @@ class Study:
         self.folder = folder
         #: Columns by name.
         self.table: dict[str, Array | list[str]] = {
-            name: np.array(values) if values and isinstance(values[0], float) else values for name, values in told["columns"].items()
+            name: np.array(values) if values and isinstance(values[0], (float, int)) else values for name, values in told["columns"].items()
         }
         #: SI unit of each column that has numbers.
         self.units: dict[str, str] = told["units"]
@@ -46,6 +48,8 @@ class Study:
         self.told: list[str | None] = [line and _sphorge.words(line) for line in told["told"]]
         #: What there was to note of each run before it was made, by its name: that its spacing does not fit a body, and with it the mass differs.
         self.notes: dict[str, list[str]] = {run: notes for run, notes in zip(told["columns"]["run"], told["notes"]) if notes}
+        # Columns of the measures.
+        self._columns: dict[str, str] = told["measure_columns"]
         self._text: str = told["text"]
         self._parquet: bytes = told["parquet"]
 

@@ -37,7 +37,7 @@ pub struct SpacedDeck {
 /// Plans runs of a deck at several spacings, coarse to fine. Bodies with a spacing of their own keep its ratio to `particles.spacing`.
 ///
 /// # Errors
-/// As [`Sweep::plan`], and for fewer than two spacings.
+/// As [`Sweep::plan`], for fewer than two spacings, and for a deck without measures.
 pub fn spaced(
     load: impl Fn(&[(String, String)]) -> Result<Setup, DeckReport>,
     spacings: &[String],
@@ -65,6 +65,12 @@ pub fn spaced(
     }
     let which = || "the deck itself".to_owned();
     let own = load(&[]).map_err(|source| SweepError::Deck { which: which(), set: String::new(), source })?;
+    if own.model.measures.is_empty() {
+        return Err(fault(
+            "the deck has no measure, so that there is nothing whose order and limit could be found",
+            "add a [[measure]] to it, such as `name = \"height\"` with `extent = { body = \"bar\", axis = \"y\" }`",
+        ));
+    }
     let is_own = |spacing: f64| (spacing / own.model.spacing - 1.0).abs() > 1e-9;
     let bodies: Vec<(usize, &str, f64)> = own
         .model
