@@ -136,6 +136,16 @@ def outside(page):
     )
 
 
+def too_wide(page):
+    """What is wider than the screen or beside it, but charts, which are scrolled to where there are many."""
+    return page.evaluate(
+        """[...document.querySelectorAll('body *')].filter((element) => {
+          const { left, right } = element.getBoundingClientRect();
+          return element.offsetParent && !element.closest('.chart') && (left < -0.5 || right > innerWidth + 0.5);
+        }).map((element) => element.id || element.className || element.tagName)"""
+    )
+
+
 def coarse(program, folder):
     print("a coarse bar that is much deformed")
     with Viewer(program, folder / "five", "--view", "xz", "--field", "body") as viewer, Chromium(1280, 800) as page:
@@ -398,6 +408,17 @@ def phone(program, folder):
         page.press("#show-history")
         page.wait("document.getElementById('history').offsetHeight > 100 && document.getElementById('controls').offsetHeight === 0")
         expect(True, "controls and history open one at a time")
+        for width in (390, 320):
+            page.resize(width, 844, phone=True)
+            settle(page)
+            expect(page.evaluate("innerWidth") == width and page.evaluate("document.querySelectorAll('.chart').length") == 1 and too_wide(page) == [], f"nor is anything with the history at {width} pixels {too_wide(page) or ''}")
+            whole = page.evaluate("(() => { const r = document.querySelector('.chart').getBoundingClientRect(); return r.left >= 0 && r.right <= innerWidth; })()")
+            expect(whole and page.evaluate("document.getElementById('time').offsetWidth") >= 90, "the curve is whole, and the slider of the time can be held")
+            page.press("#show-controls")
+            settle(page)
+            expect(too_wide(page) == [], f"nor with the controls {too_wide(page) or ''}")
+            page.press("#show-history")
+            settle(page)
         expect(not page.told, f"the browser complains of nothing {page.told or ''}")
 
 
