@@ -279,6 +279,44 @@ def plane(program, folder):
         expect(not page.told, f"the browser complains of nothing {page.told or ''}")
 
 
+def typed(program, folder):
+    print("limits that are typed")
+    with Viewer(program, folder / "plate", "--field", "pressure") as viewer, Chromium(1280, 800) as page:
+        page.open(viewer.address)
+        page.wait(SHOWN)
+        settle(page)
+        # The last frame has a small pressure; the limits of all frames are larger.
+        page.wait("!app.isReading && app.colors.high > 5e8")
+        page.choose("#ranges", "fixed")
+        settle(page)
+        boxes = "[app.controls.low.value, app.controls.high.value, app.controls.unit.textContent]"
+        before = page.evaluate(boxes)
+        expect(before[2] == "GPa", "limits of the pressure are in GPa")
+        for box, text in (("low", "-0.001"), ("high", "0.002"), ("low", "-0.0005")):
+            page.choose(f"#{box}", text)
+            settle(page)
+        expect(page.evaluate(boxes) == ["−0.0005", "0.002", "GPa"] and page.evaluate("app.state.fixed") == [-5e5, 2e6], "and stay so while numbers are typed")
+        for text, value in (("2 GPa", 2e9), ("300 MPa", 3e8), ("1 kbar", 1e8), ("20 N/mm^2", 2e7), ("3e6 kg/(m s²)", 3e6), ("1,5", 1.5e9)):
+            page.choose("#high", text)
+            settle(page)
+            found = page.evaluate("app.state.fixed[1]")
+            expect(abs(found / value - 1) < 1e-12 and page.evaluate(boxes)[1:] == [f"{value / 1e9:g}", "GPa"], f"{text} is {value:g} Pa")
+        for box, text, told in (("high", "abc", "“abc” is no number"), ("high", "3 K", "not in “K”"), ("high", "3 Gpa", "“Gpa” is no unit"), ("high", "", "There is no number"), ("high", "1e999", "“1e999” is no number"), ("low", "9", "smaller one comes first")):
+            page.choose("#high", "1.5")
+            page.choose(f"#{box}", text)
+            settle(page)
+            expect(told in page.evaluate("app.controls.wrong.textContent") and not page.evaluate("app.controls.wrong.hidden") and page.evaluate("app.state.fixed") == [-5e5, 1.5e9], f"of {text!r} the page says: {page.evaluate('app.controls.wrong.textContent')}")
+        page.choose("#high", "10")
+        settle(page)
+        expect(page.evaluate("app.state.fixed") == [9e9, 1e10] and page.evaluate("app.controls.wrong.hidden"), "two numbers that fit together only when both are typed are taken")
+        page.choose("#field", "plastic_strain")
+        settle(page)
+        page.choose("#high", "50 %")
+        settle(page)
+        expect(page.evaluate("app.state.fixed[1]") == 0.5, "a pure number can be in per cent")
+        expect(not page.told, f"the browser complains of nothing {page.told or ''}")
+
+
 def picture_is_empty(page):
     picture = page.picture()
     left, top, width, height = page.evaluate("(() => { const b = app.panels[0].element.getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; })()")
@@ -552,7 +590,7 @@ def main():
         "shock": ["plate-impact", "--set", 'time.end="3 us"', "-q"],
     }.items():
         subprocess.run([program, "run", *deck, "-o", str(folder / name)], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    for check in (plane, solid, coarse, several, phone, dead, connections, growing, single):
+    for check in (plane, typed, solid, coarse, several, phone, dead, connections, growing, single):
         check(program, folder)
 
 

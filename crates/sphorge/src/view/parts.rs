@@ -3,8 +3,9 @@
 /// The page, in which [`STYLE`] and the scripts are named.
 pub(super) const PAGE: &str = include_str!("page/index.html");
 pub(super) const STYLE: (&str, &str) = ("style.css", include_str!("page/style.css"));
-pub(super) const SCRIPTS: [(&str, &str); 20] = [
+pub(super) const SCRIPTS: [(&str, &str); 21] = [
     ("numbers.js", include_str!("page/numbers.js")),
+    ("units.js", include_str!("page/units.js")),
     ("vectors.js", include_str!("page/vectors.js")),
     ("colors.js", include_str!("page/colors.js")),
     ("live.js", include_str!("page/live.js")),

@@ -23,6 +23,8 @@ class Controls {
   #app;
   #element;
   #made = "";
+  /** Unit that limits are shown and typed in: divisor, text, and of which field. */
+  #scale = null;
   /** What brings each tick up to date. */
   #ticks = [];
 
@@ -33,6 +35,7 @@ class Controls {
     this.low = made("input", { type: "text", inputMode: "decimal", id: "low", ariaLabel: "lowest value of the colour bar" });
     this.high = made("input", { type: "text", inputMode: "decimal", id: "high", ariaLabel: "highest value of the colour bar" });
     this.unit = made("span");
+    this.wrong = made("p", { className: "note wrong", role: "alert", hidden: true });
     for (const input of [this.low, this.high]) input.addEventListener("change", () => this.#readRange());
   }
 
@@ -84,6 +87,7 @@ class Controls {
       return [whole, ...components.map((component) => [`${name}.${component}`, `${label} ${component}`])];
     });
     this.field = this.#choice("field", options, (value) => {
+      this.#refuse(null);
       state.field = value;
       if (state.ranges === "fixed") state.ranges = "all";
     });
@@ -91,22 +95,45 @@ class Controls {
       state.map = value || null;
     });
     this.ranges = this.#choice("ranges", [["all", "of all frames"], ["frame", "of each frame"], ["fixed", "these:"]], (value) => {
+      this.#refuse(null);
       state.ranges = value;
       if (value === "fixed") state.fixed = [this.#app.colors.low, this.#app.colors.high];
     });
-    return this.#group("Field", this.#row("show", this.field), this.#row("colours", this.map), this.#row("limits", this.ranges), made("div", { className: "pair" }, this.low, this.high, this.unit));
+    return this.#group("Field", this.#row("show", this.field), this.#row("colours", this.map), this.#row("limits", this.ranges), made("div", { className: "pair" }, this.low, this.high, this.unit), this.wrong);
   }
 
-  /** Limits as they are typed: in the unit of the bar. */
+  /** Says what is wrong with limits that are typed; nothing if nothing is. */
+  #refuse(reason) {
+    this.wrong.textContent = reason ?? "";
+    this.wrong.hidden = !reason;
+    for (const input of [this.low, this.high]) input.setAttribute("aria-invalid", String(Boolean(reason)));
+  }
+
+  /** Writes limits into the boxes, in the unit beside them. */
+  #write(...limits) {
+    [this.low, this.high].forEach((input, k) => {
+      input.value = fourDigits(limits[k] / this.#scale[0]);
+      input.shown = input.value;
+    });
+  }
+
+  /** Limits as they are typed: in the unit beside them, or in one that is typed, too. */
   #readRange() {
     const { state, colors } = this.#app;
-    const [low, high] = [this.low, this.high].map((input) => readNumber(input.value));
-    const isGood = low !== null && high !== null && low < high;
-    for (const input of [this.low, this.high]) input.setCustomValidity(isGood ? "" : "write two numbers, the smaller one first");
-    if (!isGood) return this.high.reportValidity();
-    const [scale] = scaledUnit(Math.max(Math.abs(colors.low), Math.abs(colors.high)), colors.unit);
+    let low;
+    let high;
+    try {
+      // What is not typed keeps the digits that are not shown.
+      const read = (input, value) => (input.value === input.shown ? value : readQuantity(input.value, this.#scale, colors.unit));
+      [low, high] = [read(this.low, colors.low), read(this.high, colors.high)];
+      if (low >= high) throw new Error(`The smaller one comes first: ${quantity(low, colors.unit)} is not below ${quantity(high, colors.unit)}.`);
+    } catch (error) {
+      return this.#refuse(error.message);
+    }
+    this.#refuse(null);
+    this.#write(low, high);
     state.ranges = "fixed";
-    state.fixed = [low * scale, high * scale];
+    state.fixed = [low, high];
     return this.#app.refresh();
   }
 
@@ -193,12 +220,14 @@ class Controls {
     this.map.value = state.map ?? "";
     this.ranges.value = state.ranges;
     if (colors) {
-      const [scale, text] = scaledUnit(Math.max(Math.abs(colors.low), Math.abs(colors.high)), colors.unit);
-      this.unit.textContent = text;
+      const hasFocus = [this.low, this.high].includes(document.activeElement);
+      const isTyped = state.ranges === "fixed" || hasFocus || !this.wrong.hidden;
+      const isOther = this.#scale?.[2] !== state.field;
+      // A unit that changed with every number would be another one for the next.
+      if (!isTyped || isOther) this.#scale = [...scaledUnit(Math.max(Math.abs(colors.low), Math.abs(colors.high)), colors.unit), state.field];
+      this.unit.textContent = this.#scale[1];
       this.unit.parentElement.hidden = Boolean(colors.key);
-      for (const [input, value] of [[this.low, colors.low], [this.high, colors.high]]) {
-        if (document.activeElement !== input) input.value = fourDigits(value / scale);
-      }
+      if (isOther || (!hasFocus && this.wrong.hidden)) this.#write(colors.low, colors.high);
     }
     if (this.cut) {
       const { section } = state;

@@ -61,10 +61,3 @@ function grouped(number) {
   const digits = String(number);
   return digits.length > 4 ? digits.replace(/\B(?=(\d{3})+$)/g, "\u00a0") : digits;
 }
-
-/** A number as a user writes it, with `k`, `M`, `G` or an exponent; none if it is none. */
-function readNumber(text) {
-  const found = /^\s*([-+−]?[\d.]+(?:e[-+]?\d+)?)\s*$/i.exec(text.replaceAll(",", "."));
-  const value = found ? Number(found[1].replace("−", "-")) : NaN;
-  return Number.isFinite(value) ? value : null;
-}
