@@ -175,18 +175,23 @@ fn a_run_that_grows_vanishes_and_comes_back_is_seen_as_it_is() {
     let place = with_run();
     let (folder, series) = (place.path("out/plate"), place.path("out/plate/fields.pvd"));
     let whole = fs::read_to_string(&series).unwrap();
+    // Frames come when they are there, whether they are listed or not.
     let two: String = whole
         .lines()
         .filter(|line| !["000002", "000003", "000004"].iter().any(|k| line.contains(k)))
         .map(|line| format!("{line}\n"))
         .collect();
     fs::write(&series, two).unwrap();
+    let third = folder.join("fields/000002.vtp");
+    fs::rename(&third, place.path("third")).unwrap();
     fs::remove_file(folder.join("summary.json")).unwrap();
     let served = Served::new(&place, &["out/plate"]);
     let told = &served.json("runs.json")[0];
     assert_eq!((served.frames(), told["status"].as_str()), (2, Some("interrupted")));
     // The history has gone on to the end.
     assert!(told["end"].as_f64().unwrap() > 0.0 && told["reached"] == told["end"], "{told}");
+    fs::rename(place.path("third"), &third).unwrap();
+    assert_eq!(served.frames(), 5);
     fs::write(&series, whole).unwrap();
     assert_eq!(served.frames(), 5);
     assert_eq!(served.get("run/0/frame/4/array/pressure").0, 200);

@@ -107,6 +107,17 @@ def test_runs_frames_and_simulations_show_themselves(here, deck, run):
     page = simulation._repr_html_()
     assert "&lt;b&gt;" in page and "<b>" not in page and embedded(page).startswith(PNG)
     assert 0.4 < simulation.progress < 0.8
+    # Also of a frame that the list of a run under way does not have yet.
+    series = here / "<b>/fields.pvd"
+    series.write_text("".join(line for line in series.read_text().splitlines(keepends=True) if "000001" not in line and "000002" not in line))
+    frames = sp.Run("<b>").frames
+    page = simulation._repr_html_()
+    assert len(frames) == 3 and frames[-1].time == simulation.time and f"of the last frame, {simulation.time:.4g} s" in page
+    assert embedded(page) == frames[-1]._repr_png_() != frames[0]._repr_png_()
+    # Between two frames the table says which one it shows.
+    time = simulation.time
+    simulation.step()
+    assert simulation.time > time and f"of the last frame, {time:.4g} s" in simulation._repr_html_()
     simulation.run()
     assert simulation.progress == 1.0 and "ended" in simulation._repr_html_()
     (here / "a/fields/000001.vtp").unlink()

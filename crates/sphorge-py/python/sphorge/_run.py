@@ -130,7 +130,7 @@ class Frame(Mapping[str, "Array"]):
         run = self.path.parent.parent
         listed = [os.path.basename(path) for _, path in _sphorge.frames(run)]
         if self.path.name not in listed:
-            raise SphorgeError(f"{self.path} is no frame of a run {what}", hint="the list of the frames of a run under way is written now and then: wait for it")
+            raise SphorgeError(f"{self.path} is no frame of a run {what}", hint="a run that has ended has the frames that it lists")
         return run, listed.index(self.path.name)
 
     def _repr_png_(self) -> bytes | None:

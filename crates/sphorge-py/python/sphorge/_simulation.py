@@ -570,6 +570,8 @@ class Simulation:
         try:
             frames = Run(self.folder).frames
             picture = frames[-1]._repr_png_() if len(frames) else None
+            if picture is not None:
+                rows["picture"] = f"of the last frame, {frames[-1].time:.4g} s"
         except (SphorgeError, FolderError):
             picture = None
         return _notebook.table(rows) + _notebook.image(picture)
