@@ -477,15 +477,33 @@ def growing(program, folder):
             page.wait("app.panels[0].frame === app.panels[0].run.times.length - 1")
             frames = page.evaluate("app.panels[0].run.times.length")
             expect(frames == 51, f"its {frames} frames came without a reload, and the last one is shown")
-            # Another look at how it grows: half of the list, then all of it.
+            # Another look at how it grows: some frames, of which not all are listed, then all.
             series = run / "fields.pvd"
             whole = series.read_text(encoding="utf-8")
             (run / "summary.json").rename(run / "summary.away")
             shorter = "\n".join(line for line in whole.splitlines() if not any(f"{k:06}.vtp" in line for k in range(20, 51)))
             series.write_text(shorter, encoding="utf-8")
-            page.wait("app.panels[0].run.times.length === 20 && app.panels[0].frame === 19")
+            held = folder / "held"
+            held.mkdir()
+            for k in range(30, 51):
+                (run / f"fields/{k:06}.vtp").rename(held / f"{k:06}.vtp")
+            page.wait("app.panels[0].run.times.length === 30 && app.panels[0].frame === 29")
             page.wait("document.getElementById('status').textContent.startsWith('interrupted at ')")
             expect(True, "a run that nobody writes and that has not ended is called so")
+            for frame in held.iterdir():
+                frame.rename(run / "fields" / frame.name)
+            page.wait("app.panels[0].run.times.length === 51 && app.panels[0].frame === 50")
+            expect(True, "frames are there before they are listed")
+            # Checks that warn are counted in the history, and named in a summary.
+            history = run / "history.csv"
+            rows = history.read_text(encoding="utf-8").splitlines()
+            at = rows[0].split(",").index("warnings")
+            warned = [",".join([*row.split(",")[:at], "2", *row.split(",")[at + 1 :]]) if k > 100 else row for k, row in enumerate(rows)]
+            history.write_text("\n".join(warned) + "\n", encoding="utf-8")
+            page.wait("document.getElementById('status').textContent.endsWith(', 2 warnings')")
+            expect("2 checks have warned" in page.evaluate("document.getElementById('controls').textContent"), "checks that have warned are counted before a run ends")
+            history.write_text("\n".join(rows) + "\n", encoding="utf-8")
+            page.wait("!document.getElementById('status').textContent.includes('warn')")
             series.write_text(whole, encoding="utf-8")
             page.wait("app.panels[0].run.times.length === 51 && app.panels[0].frame === 50")
             expect(True, "who looks at the last frame goes on to the new one")

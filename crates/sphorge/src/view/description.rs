@@ -29,8 +29,10 @@ pub(super) struct Description {
     identity: String,
     /// What is wrong with the folder, if it cannot be read now.
     error: Option<String>,
-    /// What the checks found.
-    warnings: Vec<String>,
+    /// Names of the checks that have warned, as far as they are known: a run names them in its summary.
+    pub(super) warnings: Vec<String>,
+    /// How many have.
+    warned: usize,
     pub(super) dimensions: usize,
     count: usize,
     /// Place that positions are counted from, m.
@@ -135,6 +137,7 @@ impl Description {
             identity: String::new(),
             error: None,
             warnings: Vec::new(),
+            warned: 0,
             dimensions: 0,
             count: 0,
             origin: [0.0; 3],
@@ -227,6 +230,16 @@ impl Description {
 }
 
 impl Description {
+    /// The same with the checks that have warned: so many by the history, and as many of a run that goes on as were named when it last stopped.
+    pub(super) fn with_warnings(mut self, warned: usize, named_before: &[String]) -> Self {
+        if self.is_open {
+            // They are in the order in which they were first seen, so that a run that goes on from an earlier state has the first of them.
+            self.warnings = named_before.iter().take(warned).cloned().collect();
+        }
+        self.warned = warned.max(self.warnings.len());
+        self
+    }
+
     /// The same with planes in which images can be shown.
     pub(super) fn with_images<'a>(mut self, planes: impl Iterator<Item = &'a SymmetryPlane>) -> Self {
         self.symmetry = planes.map(|plane| (plane.axis, plane.position)).collect();

@@ -47,11 +47,11 @@ impl History {
         (columns.collect(), rows)
     }
 
-    /// Time of the last row, s.
-    pub(super) fn last_time(&self, directory: &RunDirectory) -> Option<f64> {
+    /// What a column has in the last row.
+    pub(super) fn last(&self, directory: &RunDirectory, name: &str) -> Option<f64> {
         let table = self.table(directory)?;
-        let time = table.columns.iter().position(|column| column.name == "time")?;
-        table.values.get(time)?.last().copied()
+        let column = table.columns.iter().position(|column| column.name == name)?;
+        table.values.get(column)?.last().copied()
     }
 
     /// Values of a column, of at most so many rows: the first, the last, and others at equal distances.

@@ -52,6 +52,8 @@ pub(super) struct Known {
     cells: Option<Arc<JoinedCells>>,
     /// Positions in the first frame, m.
     start: Option<Arc<Vec<[f64; 3]>>>,
+    /// Checks that had warned when the run last stopped: where it goes on, its summary is gone.
+    warnings: Vec<String>,
 }
 
 impl ViewedRun {
@@ -123,6 +125,14 @@ impl ViewedRun {
             *known = Known { identity, model, ..Known::default() };
         }
         known.clone()
+    }
+
+    /// Keeps the names of checks that have warned in a run.
+    fn remember(&self, identity: &str, warnings: &[String]) {
+        let mut now = self.lock();
+        if now.identity == identity && now.warnings != warnings {
+            now.warnings = warnings.to_vec();
+        }
     }
 
     /// The view that is meant, or fits best; none of a run without frames.
@@ -290,10 +300,15 @@ impl ViewedRun {
             let times: Vec<f64> = series.iter().map(|(time, _)| *time).collect();
             let origin = self.origin(&directory)?;
             let (columns, rows) = self.history.columns(&directory);
-            let columns = (columns, rows, self.history.last_time(&directory));
+            let columns = (columns, rows, self.history.last(&directory, "time"));
             // Of several runs, some may have no such planes.
             let planes = mirrored(known.model.as_deref(), mirror).unwrap_or_default();
             let described = Description::of(&self.name, &directory, &known, &frame, fields, times, origin, columns);
+            if !described.is_open {
+                self.remember(&known.identity, &described.warnings);
+            }
+            let warned = self.history.last(&directory, "warnings").map_or(0, |count| count as usize);
+            let described = described.with_warnings(warned, &known.warnings);
             Ok(described.with_images(planes.iter().map(|(_, plane)| plane)))
         });
         described.unwrap_or_else(|error| Description::broken(&self.name, &error))

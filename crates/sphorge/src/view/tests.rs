@@ -3,9 +3,12 @@
 use super::{ViewError, ViewSettings, run::ViewedRun, save_single_page};
 use crate::{
     Particles,
-    output::{FrameHeader, RunDirectory, SeriesEntry, write_frame_file, write_series},
+    output::{
+        FrameHeader, RunDirectory, SeriesEntry, Status, Summary, testing, write_frame_file, write_series,
+    },
     plot::PlotError,
 };
+use serde_json::json;
 use std::{fs, path::Path};
 
 const COUNT: usize = 300;
@@ -126,6 +129,34 @@ fn a_run_that_is_written_goes_on_and_one_that_nobody_writes_does_not() {
     assert_eq!(status(), "running");
     drop(written);
     assert_eq!(status(), "interrupted");
+}
+
+#[test]
+fn a_run_that_goes_on_has_warned_as_its_history_says_by_the_names_that_are_known() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run(folder.path(), "run", 2);
+    let viewed = ViewedRun::open(run.path()).unwrap();
+    let told = || {
+        let told = serde_json::to_value(viewed.describe(None)).unwrap();
+        (told["warnings"].clone(), told["warned"].as_u64().unwrap())
+    };
+    let rows = |counts: &str| fs::write(run.history(), format!("time,warnings\n{counts}")).unwrap();
+    rows("0,0\n1e-6,0\n");
+    assert_eq!(told(), (json!([]), 0));
+    rows("0,0\n1e-6,2\n");
+    assert_eq!(told(), (json!([]), 2));
+    // It stops, and goes on.
+    let warnings = ["hot", "wall-energy"].map(testing::warning).to_vec();
+    let stopped = Summary { status: Status::Stopped, warnings, ..testing::summary(1.0) };
+    stopped.write(&run).unwrap();
+    assert_eq!(told(), (json!(["hot", "wall-energy"]), 2));
+    fs::remove_file(run.summary()).unwrap();
+    assert_eq!(told(), (json!(["hot", "wall-energy"]), 2));
+    rows("0,0\n1e-6,3\n");
+    assert_eq!(told(), (json!(["hot", "wall-energy"]), 3));
+    // From a state before the second.
+    rows("0,0\n1e-6,1\n");
+    assert_eq!(told(), (json!(["hot"]), 1));
 }
 
 #[test]

@@ -21,13 +21,27 @@ const percent = ({ reached, end }) => Math.floor((100 * Math.min(reached ?? 0, e
 /** What is said of runs when nobody tells any more. */
 const UNKNOWN = "no longer told";
 
+/** How many checks of a run have warned, in words, where its status does not tell. */
+function warned({ status, warned: count }) {
+  return count > 0 && !status.includes("warnings") ? `${count} ${count === 1 ? "warning" : "warnings"}` : "";
+}
+
 /** How far a run is, in words. */
 function howFar(run) {
   const { status, reached, end } = run;
   if (run.error || reached === null) return run.error ? "cannot be read now" : `${status}, no frame yet`;
-  const isWhole = status.startsWith("completed");
-  if (isWhole || !(end > 0)) return `${status} at ${quantity(reached, "s")}`;
-  return `${status} at ${quantity(reached, "s")} of ${quantity(end, "s")}, ${percent(run)} %`;
+  const isWhole = status.startsWith("completed") || !(end > 0);
+  const far = isWhole ? [] : [`of ${quantity(end, "s")}, ${percent(run)} %`];
+  return [[`${status} at ${quantity(reached, "s")}`, ...far].join(" "), warned(run)].filter(Boolean).join(", ");
+}
+
+/** What checks have found of a run; nothing if nothing. */
+function broken({ name, warnings, warned: count }) {
+  const others = count - warnings.length;
+  if (count === 0) return null;
+  const names = warnings.length > 0 ? `broken: ${warnings.join(", ")}` : "";
+  const unnamed = others > 0 ? `${others} ${others === 1 ? "check has" : "checks have"} warned${names ? " since" : ""}; ${others === 1 ? "it is" : "they are"} named where it runs, and here when it ends` : "";
+  return `${name}: ${[names, unnamed].filter(Boolean).join("; ")}`;
 }
 
 /** Bodies by name, with what each is made of in the runs: where they differ, which run says what. */
@@ -119,7 +133,7 @@ class App {
   }
 
   warnings() {
-    return this.panels.filter(({ run }) => run.warnings.length > 0).map(({ run }) => `${run.name}: broken: ${run.warnings.join(", ")}`);
+    return this.panels.map(({ run }) => broken(run)).filter(Boolean);
   }
 
   /** The box of all runs, m. */
@@ -162,7 +176,7 @@ class App {
       document.getElementById("panels").append(...this.panels.map((panel) => panel.element));
       this.#columns();
     }
-    const state = (run) => [run?.times.length, run?.rows, run?.status, run?.identity];
+    const state = (run) => [run?.times.length, run?.rows, run?.status, run?.warned, run?.identity];
     const before = JSON.stringify(this.panels.map(({ run }) => state(run)));
     this.panels.forEach((panel, k) => {
       if (panel.describe(runs[k])) {
