@@ -55,7 +55,7 @@ def particle_on_page(page, particle, panel=0):
         f"""(() => {{
           const panel = app.panels[{panel}], box = panel.element.getBoundingClientRect();
           const place = plus(Array.from(panel.data.positions.slice(3 * {particle}, 3 * {particle} + 3)), panel.run.origin);
-          const [right, up] = app.camera.seen(place), pixel = panel.measure().pixel;
+          const [right, up] = panel.camera.seen(place), pixel = panel.measure().pixel;
           return [box.left + box.width / 2 + right / pixel, box.top + box.height / 2 - up / pixel];
         }})()"""
     )
@@ -121,18 +121,20 @@ def box_of(page, panel=0, inset=0):
     return page.evaluate(f"(() => {{ const b = app.panels[{panel}].element.getBoundingClientRect(); return [b.left + {inset}, b.top + {inset}, b.right - {inset}, b.bottom - {inset}]; }})()")
 
 
-def outside(page):
+def outside(page, panel=0):
     """How many particles are not in the picture."""
     return page.evaluate(
-        """(() => {
-          const panel = app.panels[0], { width, height } = panel.rectangle(), { pixel } = panel.measure();
+        f"((number) => {{"
+        """
+          const panel = app.panels[number], { width, height } = panel.rectangle(), { pixel } = panel.measure();
           let outside = 0;
           for (let k = 0; k < panel.particles.count; k += 1) {
-            const [right, up] = app.camera.seen(plus(Array.from(panel.data.positions.slice(3 * k, 3 * k + 3)), panel.run.origin));
+            const [right, up] = panel.camera.seen(plus(Array.from(panel.data.positions.slice(3 * k, 3 * k + 3)), panel.run.origin));
             if (Math.abs(right) > 0.5 * width * pixel || Math.abs(up) > 0.5 * height * pixel) outside += 1;
           }
           return outside;
-        })()"""
+        """
+        f"}})({panel})"
     )
 
 
@@ -392,6 +394,49 @@ def several(program, folder):
             expect(names == [f"{folder.name}/plate", "longer/plate"], f"runs of one name are told apart at {width} pixels")
             is_whole = "[...document.querySelectorAll('.heading > *, #history .key span')].every((e) => { const r = e.getBoundingClientRect(); return e.scrollWidth <= e.clientWidth + 1 && r.right <= innerWidth; })"
             expect(page.evaluate(is_whole) and page.evaluate("document.querySelectorAll('#history .key span').length") == 2, "and no label is cut")
+    with Viewer(program, folder / "plate", folder / "bar") as viewer, Chromium(1280, 800) as page:
+        page.open(viewer.address)
+        page.wait(SHOWN)
+        settle(page)
+        towards = "app.panels.map(({ camera }) => camera.towards)"
+        flat, solid = page.evaluate(towards)
+        expect(flat == [0, 0, 1] and min(map(abs, solid)) > 0.1 and page.evaluate("document.querySelectorAll('#view-xz').length") == 1, "beside a run in a plane one in space is seen from its corner")
+        x, y = page.evaluate("(() => { const b = app.panels[1].element.getBoundingClientRect(); return [b.left + b.width / 2, b.top + b.height / 2]; })()")
+        page.drag((x, y), (x + 70, y - 40))
+        page.wait("!app.isMoving")
+        turned = page.evaluate(towards)
+        expect(turned[0] == flat and turned[1] != solid, "and turned by itself")
+        page.press("#fit")
+        settle(page)
+        expect(all(outside(page, panel) == 0 for panel in (0, 1)), "all of both is in the picture")
+        cut = """[...document.querySelectorAll('.chart select')].filter((select) => {
+          const context = document.createElement('canvas').getContext('2d');
+          context.font = getComputedStyle(select).font;
+          return context.measureText(select.selectedOptions[0].textContent).width > select.clientWidth - 26;
+        }).map((select) => select.value)"""
+        page.choose("#column-0", "max_plastic_strain")
+        settle(page)
+        expect(page.evaluate("document.querySelectorAll('.chart select').length") > 3 and page.evaluate(cut) == [], f"names of columns are whole beside the values of two runs {page.evaluate(cut) or ''}")
+        beside = "[...document.querySelectorAll('#controls label > *')].filter((e) => e.offsetParent && e.getBoundingClientRect().right > document.getElementById('controls').getBoundingClientRect().right - 8).map((e) => e.textContent)"
+        expect("iron" in page.evaluate("document.querySelector('#body-0').parentElement.textContent") and page.evaluate(beside) == [], "names of bodies stay in the panel")
+        expect(not page.told, f"the browser complains of nothing {page.told or ''}")
+    with Viewer(program, *(folder / name for name in ("plate", "other", "bar", "longer/plate"))) as viewer, Chromium(390, 844, phone=True) as page:
+        page.open(viewer.address)
+        page.wait(SHOWN)
+        settle(page)
+        over = """app.panels.filter(({ element, heading }) => {
+          const [room, words] = [element, heading].map((one) => one.getBoundingClientRect());
+          return words.height < 20 || words.bottom > room.bottom || words.right > room.right || room.bottom > document.getElementById('bar').getBoundingClientRect().top + 1;
+        }).map(({ run }) => run.name)"""
+        for width in (390, 320):
+            page.resize(width, 844, phone=True)
+            for drawer in (None, "controls", "history"):
+                if drawer:
+                    page.press(f"#show-{drawer}")
+                settle(page)
+                expect(page.evaluate(over) == [] and too_wide(page) == [], f"what is said of four runs at {width} pixels is over their pictures {f'with {drawer}' if drawer else ''}{page.evaluate(over) or ''}{too_wide(page) or ''}")
+            page.press("#show-history")
+            settle(page)
     with Viewer(program, folder / "shock") as viewer, Chromium(1280, 800) as page:
         page.open(viewer.address)
         page.wait(SHOWN)

@@ -57,6 +57,8 @@ function commonBodies(runs) {
 class App {
   panels = [];
   camera = new Camera();
+  /** That of runs in a plane beside runs in space, which have a direction of their own. */
+  flat = new Camera();
   picked = null;
   /** The program that the page came from does not answer. */
   isGone = false;
@@ -136,9 +138,14 @@ class App {
     return this.panels.map(({ run }) => broken(run)).filter(Boolean);
   }
 
-  /** The box of all runs, m. */
-  box() {
-    return this.panels.reduce((box, panel) => joinedBox(box, panel.whole()), null);
+  /** The runs that are seen through a camera. */
+  #seenBy(camera) {
+    return this.panels.filter((panel) => panel.camera === camera);
+  }
+
+  /** The box of all runs that turn together, m. */
+  box(camera = this.camera) {
+    return this.#seenBy(camera).reduce((box, panel) => joinedBox(box, panel.whole()), null);
   }
 
   say(text) {
@@ -199,6 +206,7 @@ class App {
   #columns() {
     const { length } = this.panels;
     const grid = document.getElementById("panels");
+    document.body.classList.toggle("several", length > 1);
     const most = Math.max(Math.floor(grid.clientWidth / LEAST_PANEL), 1);
     const wide = length <= 3 ? length : Math.ceil(Math.sqrt(length));
     grid.style.gridTemplateColumns = `repeat(${Math.max(Math.min(most, wide), 1)}, 1fr)`;
@@ -226,7 +234,8 @@ class App {
     const order = new Map(runs.flatMap((run) => run.fields).map((field, k) => [field.name, k]));
     this.fields = merged("fields").filter((field) => runs.every((run) => run.times.length === 0 || run.fields.some(({ name }) => name === field.name))).sort((a, b) => order.get(a.name) - order.get(b.name));
     this.bodies = commonBodies(runs);
-    this.views = runs.find((run) => run.dimensions > 0)?.views ?? [];
+    const deepest = Math.max(...runs.map((run) => run.dimensions));
+    this.views = runs.find((run) => run.dimensions === deepest)?.views ?? [];
     const isKnown = (asked) => this.fields.some(({ name }) => name === asked || name === asked?.split(".")[0]);
     if (this.fields.length > 0 && !isKnown(this.state.field)) this.state.field = this.fields[0].name;
     const { bodies } = this.opening.start;
@@ -256,7 +265,7 @@ class App {
     for (const panel of this.panels) if (panel.frame >= 0) this.#ranges.set(`${panel.number}/${panel.frame}/${panel.field}`, panel.head);
     this.#bodies();
     this.#color();
-    if (!this.#isFitted && this.box()) await this.#first();
+    if (!this.#isFitted && this.panels.some(({ box }) => box)) await this.#first();
     this.controls.show();
     this.draw();
     if (this.picked) showPicked(this);
@@ -281,9 +290,10 @@ class App {
   }
 
   fit() {
-    const box = this.panels.reduce((whole, { first }) => joinedBox(whole, first), this.box());
-    if (!box) return;
-    this.camera.fit(box);
+    for (const camera of [this.camera, this.flat]) {
+      const box = this.#seenBy(camera).reduce((whole, { first }) => joinedBox(whole, first), this.box(camera));
+      if (box) camera.fit(box);
+    }
     this.draw();
   }
 

@@ -7,6 +7,9 @@ const MANY = 20000;
 const PARTS = ["outside", "cut", "slivers"];
 /** How far from a plane of symmetry what is in it may be, spacings. */
 const IN_PLANE = 5e-3;
+/** Less height than this, pixels, leaves no room for all that is said of one of several runs, and for the arrows along the axes. */
+const LOW_PANEL = 210;
+const LOWEST_PANEL = 110;
 const NO_NODES = { places: new Float32Array(0), parted: new Uint32Array(0) };
 
 class Panel {
@@ -25,6 +28,11 @@ class Panel {
     this.element.innerHTML = '<canvas></canvas><div class="heading"></div><div class="card" role="status" hidden></div>';
     [this.overlay, this.heading, this.card] = this.element.children;
     this.particles = new Particles(app.graphics);
+  }
+
+  /** Through which it is seen: a run in a plane does not turn with those in space beside it. */
+  get camera() {
+    return this.run?.dimensions < 3 && this.app.isSolid() ? this.app.flat : this.app.camera;
   }
 
   /** Takes what there is of the run now; true if it is another run than before. */
@@ -127,7 +135,7 @@ class Panel {
 
   /** From metres to the window, and metres of a pixel. */
   measure() {
-    const { camera } = this.app;
+    const { camera } = this;
     const { width, height } = this.rectangle();
     const pixel = camera.pixel(width, height);
     const box = this.whole();
@@ -147,11 +155,11 @@ class Panel {
 
   /** Draws the particles with each combination of mirrors. */
   #particles(how, { pixel, scale }, picks) {
-    const { camera, state, textures, colors, opening, graphics } = this.app;
-    const { run } = this;
+    const { state, textures, colors, opening, graphics } = this.app;
+    const { run, camera } = this;
     const planes = state.mirror ? run.symmetry : [];
     const isFlat = run.dimensions < 3;
-    const cut = state.section;
+    const cut = camera === this.app.camera ? state.section : null;
     const far = 1e30;
     const letters = (this.field ?? "").split(".")[1] ?? "";
     const all = Array.from({ length: 2 ** planes.length }, (_, images) => {
@@ -202,7 +210,8 @@ class Panel {
   }
 
   draw(isMoving) {
-    const { graphics, camera, state } = this.app;
+    const { graphics, state } = this.app;
+    const { camera } = this;
     const { gl } = graphics;
     const { left, top, width, height } = this.rectangle();
     if (width < 1 || height < 1) return;
@@ -242,10 +251,13 @@ class Panel {
   #caption(measured) {
     const { run, frame } = this;
     const several = this.app.panels.length > 1;
+    const isLow = several && this.element.clientHeight < LOW_PANEL;
     const lines = [];
     if (several) lines.push(["name", run.name]);
-    if (frame >= 0) lines.push(["", `${quantity(run.times[frame] ?? 0, "s")}, frame ${frame} of 0 to ${run.times.length - 1}, ${grouped(run.count)} particles`]);
-    if (several || frame < 0) lines.push(["", this.app.isGone ? UNKNOWN : howFar(run)]);
+    const status = this.app.isGone ? UNKNOWN : run.status;
+    if (frame >= 0 && isLow) lines.push(["", [`${quantity(run.times[frame] ?? 0, "s")}, frame ${frame}`, ...(status === "completed" ? [] : [status])].join(", ")]);
+    else if (frame >= 0) lines.push(["", `${quantity(run.times[frame] ?? 0, "s")}, frame ${frame} of 0 to ${run.times.length - 1}, ${grouped(run.count)} particles`]);
+    if ((several && !isLow) || frame < 0) lines.push(["", this.app.isGone ? UNKNOWN : howFar(run)]);
     if (this.trouble) lines.push(["trouble", this.trouble]);
     // Written again only when it says something else.
     const told = JSON.stringify(lines);
@@ -281,7 +293,7 @@ class Panel {
   }
 
   #overlay({ pixel, width, height }) {
-    const { camera } = this.app;
+    const { camera } = this;
     const { context } = cleared(this.overlay);
     context.clearRect(0, 0, width, height);
     context.fillStyle = BAR_INK;
@@ -300,7 +312,7 @@ class Panel {
       context.textAlign = "center";
       context.fillText(quantity(length, "m"), x + wide / 2, y - 8);
     }
-    this.#directions(context, 34, height - 34);
+    if (height >= LOWEST_PANEL) this.#directions(context, 34, height - 34);
     const body = this.picked && this.run.bodies[this.data.bodies[this.picked.particle]];
     if (this.picked && !this.app.state.hidden.has(body?.name)) {
       const [right, up] = camera.seen(plus(Array.from(this.picked.position), this.run.origin));
@@ -321,7 +333,7 @@ class Panel {
 
   /** Arrows along the axes. */
   #directions(context, x, y) {
-    const { camera } = this.app;
+    const { camera } = this;
     const ends = ["x", "y", "z"].map((name, axis) => ({ name, right: camera.right[axis], up: camera.up[axis], towards: camera.towards[axis] }));
     ends.sort((a, b) => a.towards - b.towards);
     context.lineWidth = 1.6;

@@ -67,7 +67,7 @@ function showCard(app, panel, id, found) {
   });
   // Where the particle is not.
   const { height, pixel } = { ...panel.rectangle(), ...panel.measure() };
-  const [, up] = app.camera.seen(found.position);
+  const [, up] = panel.camera.seen(found.position);
   const isAbove = up < 0.05 * height * pixel;
   panel.card.classList.toggle("above", isAbove);
   // Below what stands there.

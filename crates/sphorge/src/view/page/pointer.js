@@ -46,14 +46,15 @@ class Pointers {
   #move(event) {
     const before = this.#down.get(event.pointerId);
     if (!before) return;
-    const { camera } = this.#app;
-    const { width, height } = this.#panel(event).rectangle();
+    const panel = this.#panel(event);
+    const { camera } = panel;
+    const { width, height } = panel.rectangle();
     const pixel = camera.pixel(width, height);
     const [right, down] = [event.clientX - before.x, event.clientY - before.y];
     this.#moved += Math.hypot(right, down);
     if (this.#down.size > 1) this.#pinch(event, pixel);
     else if (this.#moved > this.#steady) {
-      const pans = !this.#app.isSolid() || event.shiftKey || event.ctrlKey || (event.buttons & 6) !== 0;
+      const pans = panel.run.dimensions < 3 || event.shiftKey || event.ctrlKey || (event.buttons & 6) !== 0;
       if (pans) camera.pan(right, down, pixel);
       else camera.turn(0.008 * right, 0.008 * down);
       this.#app.moving();
@@ -68,11 +69,11 @@ class Pointers {
     const [other] = others;
     const apart = (place) => Math.hypot(place.x - other.x, place.y - other.y) || 1;
     const now = { x: event.clientX, y: event.clientY };
-    this.#app.camera.pan(0.5 * (now.x - before.x), 0.5 * (now.y - before.y), pixel);
-    const { element } = this.#panel(event);
+    const { element, camera } = this.#panel(event);
+    camera.pan(0.5 * (now.x - before.x), 0.5 * (now.y - before.y), pixel);
     const { left, top, width, height } = element.getBoundingClientRect();
     const middle = [0.5 * (now.x + other.x) - left - width / 2, 0.5 * (now.y + other.y) - top - height / 2];
-    this.#app.camera.zoom(apart(now) / apart(before), ...middle, pixel);
+    camera.zoom(apart(now) / apart(before), ...middle, pixel);
     this.#app.moving();
   }
 
@@ -88,11 +89,11 @@ class Pointers {
 
   #wheel(event) {
     event.preventDefault();
-    const { element } = this.#panel(event);
+    const { element, camera } = this.#panel(event);
     const { left, top, width, height } = element.getBoundingClientRect();
     const lines = event.deltaMode === 1 ? 30 : 1;
     const factor = Math.exp(-0.0015 * Math.max(-400, Math.min(400, event.deltaY * lines)));
-    this.#app.camera.zoom(factor, event.clientX - left - width / 2, event.clientY - top - height / 2, this.#app.camera.pixel(width, height));
+    camera.zoom(factor, event.clientX - left - width / 2, event.clientY - top - height / 2, camera.pixel(width, height));
     this.#app.moving();
   }
 }

@@ -131,11 +131,16 @@ class Curves {
       const canvas = made("canvas", {});
       const select = made("select", { id: `column-${k}`, ariaLabel: "column of the history" }, ...columns.map((column) => made("option", { value: column.name, textContent: column.unit ? `${column.name} (${column.unit})` : column.name, title: column.meaning })));
       select.value = name;
+      const fits = () => select.style.setProperty("--letters", select.selectedOptions[0]?.textContent.length ?? 0);
+      fits();
       // Of each run that has the column, in the colour of its curve.
       const value = made("output", {});
       const element = made("div", { className: "chart" }, made("div", { className: "head" }, select, value), made("div", { className: "body" }, canvas));
       const chart = new Chart(canvas, (time) => this.#app.timeline.goTo(time));
-      select.addEventListener("change", () => this.read());
+      select.addEventListener("change", () => {
+        fits();
+        this.read();
+      });
       return { element, chart, select, value };
     });
     const { panels, opening: { lines } } = this.#app;
@@ -188,13 +193,14 @@ class Curves {
     this.#drawn = key;
     for (const { chart, value } of this.#charts) {
       chart.cursor = this.#app.state.time;
-      chart.draw();
       value.replaceChildren(...chart.at(chart.cursor).map(({ name, color, y }) => {
         const text = y === null ? "-" : quantity(y, chart.unit);
         const element = made("span", { textContent: text, title: `${name}: ${text}` });
         if (this.#app.panels.length > 1) element.style.setProperty("--line", css(color));
         return element;
       }));
+      // After the values, which take some of its room.
+      chart.draw();
     }
   }
 }
