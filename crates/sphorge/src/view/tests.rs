@@ -3,9 +3,7 @@
 use super::{ViewError, ViewSettings, run::ViewedRun, save_single_page};
 use crate::{
     Particles,
-    output::{
-        FrameHeader, RunDirectory, SeriesEntry, Status, Summary, testing, write_frame_file, write_series,
-    },
+    output::{FrameHeader, RunDirectory, SeriesEntry, Status, Summary, testing, write_frame_file, write_series},
     plot::PlotError,
 };
 use serde_json::json;

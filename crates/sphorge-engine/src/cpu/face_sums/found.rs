@@ -17,6 +17,11 @@ use sphorge_physics::kernel::{Kernel, pair_smoothing_length};
 use sphorge_physics::tensor::{apply, dot, identity};
 use sphorge_physics::{Dimension, Tensor, Vector};
 
+/// Faces, the ghosts that they read, and on ranks how these are exchanged.
+type FoundFaces = (Vec<Face>, Vec<u32>, Option<Remote>);
+/// A list for each rank.
+type OfRanks<T> = Vec<Vec<T>>;
+
 /// What the terms of faces are made of: the reference configuration.
 pub struct FaceConfiguration<'a, Row> {
     /// Positions of particles, m.
@@ -185,7 +190,7 @@ impl<I: Iterator<Item = FaceNeighbor>, Row: Fn(usize) -> I + Sync> FaceConfigura
     }
 
     /// The faces, and on ranks the particles of others that they read, which are the ghosts in `read`.
-    fn faces(&self, on_ranks: Option<OnRanks<'_>>) -> Result<(Vec<Face>, Vec<u32>, Option<Remote>), RunFailure> {
+    fn faces(&self, on_ranks: Option<OnRanks<'_>>) -> Result<FoundFaces, RunFailure> {
         let count = self.position.len();
         let kinds = self.kinds(on_ranks);
         let mut is_read = vec![false; kinds.len()];
@@ -300,7 +305,7 @@ impl<I: Iterator<Item = FaceNeighbor>, Row: Fn(usize) -> I + Sync> FaceConfigura
         faces: &[Face],
         domain: &Domain,
         volumes: &[f64],
-    ) -> (Vec<Vec<(u32, ThirdOrder)>>, Vec<Vec<SentTerm>>) {
+    ) -> (OfRanks<(u32, ThirdOrder)>, OfRanks<SentTerm>) {
         let (size, count) = (domain.ranks.size(), self.position.len());
         let mut sent_faces: Vec<Vec<(u32, ThirdOrder)>> = vec![Vec::new(); size];
         let mut sent_terms: Vec<Vec<SentTerm>> = vec![Vec::new(); size];
