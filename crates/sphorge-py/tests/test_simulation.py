@@ -432,6 +432,20 @@ def test_checks_of_the_run_are_warnings(deck):
     assert [name for name, _ in simulation.warnings] == [of["name"] for of in run.warnings] == ["wall-energy"]
 
 
+def test_notes_of_the_deck_are_warnings_when_the_simulation_is_made(here, deck):
+    deck["particles.spacing"] = "7 mm"
+    with pytest.warns(sp.SphorgeNote, match="mass than its shape") as told:
+        simulation = sp.Simulation(deck, out="a", threads=1)
+    assert [str(of.message) for of in told] == simulation.notes == deck.check()["notes"]
+    assert {of.filename for of in told} == {__file__} and issubclass(sp.SphorgeNote, sp.SphorgeWarning)
+    simulation.step()
+    simulation.stop()
+    # They are told once, and can be hidden; the tests make errors of warnings.
+    sp.Simulation.resume("a", threads=1)
+    warnings.simplefilter("ignore", sp.SphorgeNote)
+    assert sp.Simulation(deck, out="b", threads=1).notes == simulation.notes
+
+
 @pytest.mark.parametrize(
     "wrong", [{"threads": 0}, {"threads": -1}, {"threads": 1.5}, {"threads": "2"}, {"threads": True}, {"engine": "quantum"}, {"device": "nvidia"}, {"engine": None}, {"checkpoint_minutes": -1}, {"checkpoint_minutes": float("nan")}, {"out": 5}, {"overwrite": "yes"}]
 )

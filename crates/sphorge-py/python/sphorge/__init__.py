@@ -17,7 +17,7 @@ from typing import Any
 from . import _sphorge
 from ._calibrate import Calibration, Experiment, GaussNewton, Optuna, calibrate
 from ._deck import Catalogue, Deck, decks
-from ._errors import DeckError, FolderError, InternalError, Problem, RunFailed, SphorgeError, SphorgeWarning
+from ._errors import DeckError, FolderError, InternalError, Problem, RunFailed, SphorgeError, SphorgeNote, SphorgeWarning
 from ._particles import particles
 from ._picture import Picture
 from ._run import Fragments, Frame, Frames, History, Run
@@ -51,6 +51,7 @@ __all__ = [
     "RunFailed",
     "Simulation",
     "SphorgeError",
+    "SphorgeNote",
     "SphorgeWarning",
     "State",
     "Study",

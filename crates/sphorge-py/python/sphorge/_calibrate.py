@@ -371,11 +371,12 @@ def calibrate(
     """
     deck = _as_deck(deck)
     keys, units, bounds, start = _bounds(params)
-    is_one = isinstance(targets, (Experiment, Mapping))
-    listed = [targets] if is_one or not isinstance(targets, Iterable) else list(targets)
-    given = [Experiment(one) if one is targets and isinstance(one, Mapping) else one for one in listed]
-    odd = [one for one in given if not isinstance(one, Experiment)]
-    if odd or not given or (isinstance(targets, Mapping) and not targets):
+    listed: list[Any] = list(targets) if isinstance(targets, Iterable) and not isinstance(targets, Mapping) else [targets]
+    if isinstance(targets, Mapping):
+        listed = [Experiment(targets)] if targets else []
+    given: list[Experiment] = [one for one in listed if isinstance(one, Experiment)]
+    odd = [one for one in listed if not isinstance(one, Experiment)]
+    if odd or not given:
         what = f"these have {repr_of(odd[0])}" if odd else "these are empty"
         raise TypeError(f"targets are a dict of measures, or experiments, and {what}: give [sphorge.Experiment({{\"height\": \"20.4 mm\"}}, set={{...}}), ...]")
     making = _making(workers, threads)

@@ -68,4 +68,8 @@ class InternalError(SphorgeError):
 
 
 class SphorgeWarning(UserWarning):
-    """A check has found a run broken."""
+    """A check has found a run broken, or what is computed of it."""
+
+
+class SphorgeNote(SphorgeWarning):
+    """What there is to note of a deck before it is run: it may not be what was meant."""

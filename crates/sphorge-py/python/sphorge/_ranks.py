@@ -36,6 +36,8 @@ class RankedDriver:
             raise SphorgeError("there is no `mpirun` here", hint="it comes with MPI (Debian: apt install openmpi-bin)")
         checked = deck.check()
         self.particles: int = checked["particles"]
+        # Told once.
+        self._notes: list[str] = checked["notes"]
         self._folder = folder
         self._process = os.getpid()
         self._own = Path(tempfile.mkdtemp(prefix="sphorge-"))
@@ -73,7 +75,8 @@ class RankedDriver:
         if new:
             self._reached = (_sphorge.Frame(listed[-1][1]).step, new[-1][1])
         step, reached = self._reached
-        return (code is not None, step, reached, 0.0, new, [], [])
+        notes, self._notes = self._notes, []
+        return (code is not None, step, reached, 0.0, new, notes, [])
 
     def news(self) -> tuple[Any, ...]:
         return self._look()

@@ -19,7 +19,7 @@ from typing import Any, NoReturn, TYPE_CHECKING
 from . import _notebook, _sphorge
 from ._arrays import array
 from ._deck import Deck, _as_deck, folder_for
-from ._errors import FolderError, RunFailed, SphorgeError, SphorgeWarning
+from ._errors import FolderError, RunFailed, SphorgeError, SphorgeNote, SphorgeWarning
 from ._run import Frame, Run, _seconds
 from ._words import absolute, check_threads, did_you_mean, printable, repr_of, whole
 
@@ -149,6 +149,7 @@ class Simulation:
             options += [] if threads is None else ["--threads", str(threads)]
             options += ["--checkpoint-minutes", str(checkpoint_minutes), *(["--checkpoint-at-end"] if checkpoint_at_end else [])]
             self._begin(folder, RankedDriver(deck, folder, ranks, options), given, progress)
+            self._warn_of_the_deck()
             return
         self._begin(
             folder,
@@ -165,6 +166,7 @@ class Simulation:
             given,
             progress,
         )
+        self._warn_of_the_deck()
 
     @classmethod
     def resume(
@@ -235,6 +237,11 @@ class Simulation:
         self._regions: list[str] = [] if whole is None else whole[5]
         shows = _notebook.is_notebook() if progress is None else bool(progress)
         self._bar = _notebook.Bar(folder.name) if shows else None
+
+    def _warn_of_the_deck(self) -> None:
+        """Tells what there is to note of the deck. Notes of a run that goes on are its own, and those of the deck were told."""
+        for note in self.notes:
+            warnings.warn(note, SphorgeNote, stacklevel=3)
 
     def _take(self, progress: tuple[Any, ...]) -> None:
         """Takes what the run tells."""
