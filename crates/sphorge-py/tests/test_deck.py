@@ -193,3 +193,14 @@ def test_the_text_of_a_deck_is_not_taken_for_a_path(here):
     # A path may look like it.
     (here / "a = 1").write_text(text)
     assert sp.Deck("a = 1").text == text
+
+
+def test_tables_of_a_deck_are_found_wherever_the_program_goes(here, monkeypatch):
+    (here / "elsewhere").mkdir()
+    (here / "places.csv").write_text("x,y\n0.0005,0.0005\n0.0015,0.0005\n")
+    body = {"name": "b", "material": "armco-iron", "shape": {"table": {"file": "places.csv"}}, "velocity": [1.0, 0.0]}
+    (here / "own.toml").write_text(sp.Deck({"dimensions": "plane-strain", "particles": {"spacing": "1 mm"}, "time": {"end": "1 ns"}, "body": [body]}).text)
+    deck = sp.Deck("own.toml")
+    monkeypatch.chdir(here / "elsewhere")
+    assert deck.check()["particles"] == pickle.loads(pickle.dumps(deck)).check()["particles"] == 2
+    assert sp.Simulation(deck, out="a", threads=1).run().status == "completed"

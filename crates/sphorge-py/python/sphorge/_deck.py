@@ -10,7 +10,7 @@ from typing import Any
 
 from . import _sphorge, _toml
 from ._errors import SphorgeError
-from ._words import printable, there_is_no, told
+from ._words import absolute, printable, there_is_no, told
 
 #: Names and titles of the shipped decks.
 decks: dict[str, str] = dict(_sphorge.decks())
@@ -45,7 +45,9 @@ class Deck:
             if is_bare and not os.path.exists(text) and not text.endswith(".toml"):
                 self._deck = _sphorge.Deck.shipped(text)
             else:
-                self._deck = _sphorge.Deck.of_file(text)
+                read = _sphorge.Deck.of_file(text)
+                # Tables that it names are beside it, wherever the program goes.
+                self._deck = _sphorge.Deck.of_parts(read.name, absolute(text), *read.source()[1:])
         else:
             raise TypeError(f"a deck is a path, a name or a dict, not {type(source).__name__}")
 
