@@ -28,6 +28,7 @@ def bar():
     return sp.Deck(deck, name="bar")
 
 
+@pytest.mark.filterwarnings("ignore:material `bar`. its pressure law:sphorge.SphorgeNote")
 def test_two_taylor_bars_give_johnson_cook_a_and_b(here, bar):
     measured = []
     for speed in (-120.0, -250.0):
@@ -104,14 +105,14 @@ def test_why_nothing_was_measured_is_told(here, deck):
     velocity = "body.plate.velocity.1"
     deck["time.max-steps"] = 3
     own = sp.Deck.from_text(deck.text + '\n[[measure]]\nname = "turns"\nreversal-time = { axis = "y" }\n')
-    with raises(sp.SphorgeError, match=r"values to start from: the run fit.experiment-1.\S+ reached its end, and its measure `turns` has no value there"):
+    with raises(sp.SphorgeError, match=r"values to start from: the run \S+fit.experiment-1.\S+ reached its end, and its measure `turns` has no value there"):
         sp.calibrate(own, {velocity: ("-100 m/s", "-50 m/s")}, {"turns": "3 us"}, out="fit")
     with raises(sp.SphorgeError, match="begins with 2 points, and most_points is 1: nothing was run"):
         sp.calibrate(own, {velocity: ("-100 m/s", "-50 m/s")}, {"turns": "3 us"}, out="few", most_points=1)
     assert not (here / "few").exists()
     broken = deck.copy()
     broken["time.fixed-step"], broken["time.max-steps"] = "1 us", 100
-    with raises(sp.SphorgeError, match=r"the run failed.experiment-1.\S+ is failed"):
+    with raises(sp.SphorgeError, match=r"the run \S+failed.experiment-1.\S+ is failed"):
         sp.calibrate(broken, {velocity: ("-100 m/s", "-50 m/s")}, {"height": "20 mm"}, out="failed")
 
 
