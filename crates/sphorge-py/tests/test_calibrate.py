@@ -28,7 +28,6 @@ def bar():
     return sp.Deck(deck, name="bar")
 
 
-@pytest.mark.filterwarnings("ignore:material `bar`. its pressure law:sphorge.SphorgeNote")
 def test_two_taylor_bars_give_johnson_cook_a_and_b(here, bar):
     measured = []
     for speed in (-120.0, -250.0):

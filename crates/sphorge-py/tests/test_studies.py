@@ -166,7 +166,7 @@ def test_two_studies_do_not_make_the_same_runs(here, long_deck):
     while not (here / "s/particles.spacing=0.5mm/history.csv").exists():
         assert child.poll() is None
         time.sleep(0.05)
-    with raises(sp.FolderError, match="another study makes runs in s: process") as told:
+    with raises(sp.FolderError, match=r"another study makes runs in \S+: process") as told:
         sp.sweep("long.toml", {"particles.spacing": ["0.5 mm", "2 mm"]}, out="s")
     assert "overwrite" not in str(told.value) and not (here / "s/particles.spacing=2mm").exists()
     child.send_signal(signal.SIGINT)
