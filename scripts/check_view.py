@@ -319,6 +319,34 @@ def typed(program, folder):
         expect(not page.told, f"the browser complains of nothing {page.told or ''}")
 
 
+def slow(program, folder):
+    print("limits of all frames that are read slowly")
+    with Viewer(program, folder / "plate", "--field", "velocity") as viewer, Chromium(1280, 800) as page:
+        page.open(viewer.address)
+        page.wait(SHOWN)
+        page.wait("!app.isReading")
+        # As many times slower as a run is larger; the bar keeps what it said.
+        page.evaluate(
+            """(() => {
+              const { store } = app, range = store.range.bind(store);
+              store.range = async (...which) => { await new Promise((done) => setTimeout(done, 60)); return range(...which); };
+              window.told = [];
+              const bar = document.getElementById("bar");
+              new MutationObserver(() => told.push(bar.getAttribute("aria-label"))).observe(bar, { attributes: true, attributeFilter: ["aria-label"] });
+            })()"""
+        )
+        page.choose("#field", "pressure")
+        page.wait("told.some((words) => words.includes('reading frames, '))")
+        page.choose("#field", "temperature")
+        page.wait("!app.isReading")
+        settle(page)
+        told = page.evaluate("told")
+        counts = [int(words.split("reading frames, ")[1].split(" of 51")[0]) for words in told if words.startswith("temperature") and "reading frames, " in words]
+        expect(len(counts) > 4 and counts == sorted(counts) and counts[-1] > 25, f"the bar says how many of 51 frames are read: {counts[0]} to {counts[-1]}, also of a field that is chosen meanwhile")
+        expect(told[-1].startswith("temperature (K): "), "and no more when all are")
+        expect(not page.told, f"the browser complains of nothing {page.told or ''}")
+
+
 def picture_is_empty(page):
     picture = page.picture()
     left, top, width, height = page.evaluate("(() => { const b = app.panels[0].element.getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; })()")
@@ -461,6 +489,8 @@ def dead(program, folder):
         page.evaluate("app.panels[0].run.status = 'running'")
         viewer.process.kill()
         page.wait("app.isGone", 30)
+        free = "(() => { const [words, view, time] = ['message', 'view', 'timeline'].map((id) => document.getElementById(id).getBoundingClientRect()); return words.height > 10 && words.bottom <= view.top + 1 && time.bottom <= innerHeight; })()"
+        expect(page.evaluate(free), "that it has ended is told above the picture, where it hides nothing")
         expect(page.evaluate("document.getElementById('status').textContent + document.getElementById('status').className") == "no longer told", "nothing is said to run any more")
 
 
@@ -555,6 +585,12 @@ def growing(program, folder):
             run.rename(folder / "away")
             page.wait("app.panels[0].trouble.includes('cannot read')")
             expect(not picture_is_empty(page), "of a folder that has vanished the last picture stays, and it is told")
+            page.choose("#time", "3")
+            settle(page)
+            page.wait("document.getElementById('status').textContent === 'cannot be read now' && document.title.startsWith('cannot be read now: ')")
+            page.choose("#time", "50")
+            page.wait("app.panels[0].frame === 50")
+            expect(True, "also in the title, whatever time is chosen")
             (folder / "away").rename(run)
             page.wait("app.panels[0].trouble === ''")
             process.kill()
@@ -653,7 +689,7 @@ def main():
         "shock": ["plate-impact", "--set", 'time.end="3 us"', "-q"],
     }.items():
         subprocess.run([program, "run", *deck, "-o", str(folder / name)], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    for check in (plane, typed, solid, coarse, several, phone, dead, connections, growing, single):
+    for check in (plane, typed, slow, solid, coarse, several, phone, dead, connections, growing, single):
         check(program, folder)
 
 

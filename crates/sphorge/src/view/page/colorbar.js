@@ -17,12 +17,14 @@ function cleared(canvas) {
 }
 
 /** Draws the bar of a field; `key` has words and colours where there are but these. */
-function drawBar(canvas, { label, unit, map, low, high, least, most, key }) {
+function drawBar(canvas, { label, unit, map, low, high, least, most, key, reading }) {
   const { context, width, height } = cleared(canvas);
   const upright = height > width;
   const [scale, text] = scaledUnit(Math.max(Math.abs(low), Math.abs(high)), unit);
-  const title = key || !text ? label : `${label} (${text})`;
-  canvas.setAttribute("aria-label", key ? `${title}: ${key.map(([, word]) => word).join(", ")}` : `${title}: ${quantity(low, unit)} to ${quantity(high, unit)}`);
+  const field = key || !text ? label : `${label} (${text})`;
+  // Limits may be others when all is read.
+  const title = reading ? `${field}, ${reading}` : field;
+  canvas.setAttribute("aria-label", key ? `${field}: ${key.map(([, word]) => word).join(", ")}` : `${title}: ${quantity(low, unit)} to ${quantity(high, unit)}`);
   context.fillStyle = BAR_INK;
   if (key) drawKey(context, title, key, upright, width, height);
   else if (upright) drawUpright(context, { title, map, low, high, least, most, scale, width, height });

@@ -12,6 +12,9 @@ const COARSEST = DETAIL.length - 1;
 /** The same at rest: smooth edges. */
 const AT_REST = 2;
 
+/** Reading that takes longer is told, ms. */
+const PATIENCE = 300;
+
 /** Least width of a panel beside others, pixels. */
 const LEAST_PANEL = 260;
 
@@ -20,6 +23,8 @@ const percent = ({ reached, end }) => Math.floor((100 * Math.min(reached ?? 0, e
 
 /** What is said of runs when nobody tells any more. */
 const UNKNOWN = "no longer told";
+/** The same of a run whose folder cannot be read. */
+const LOST = "cannot be read now";
 
 /** How many checks of a run have warned, in words, where its status does not tell. */
 function warned({ status, warned: count }) {
@@ -29,7 +34,7 @@ function warned({ status, warned: count }) {
 /** How far a run is, in words. */
 function howFar(run) {
   const { status, reached, end } = run;
-  if (run.error || reached === null) return run.error ? "cannot be read now" : `${status}, no frame yet`;
+  if (run.error || reached === null) return run.error ? LOST : `${status}, no frame yet`;
   const isWhole = status.startsWith("completed") || !(end > 0);
   const far = isWhole ? [] : [`of ${quantity(end, "s")}, ${percent(run)} %`];
   return [[`${status} at ${quantity(reached, "s")}`, ...far].join(" "), warned(run)].filter(Boolean).join(", ");
@@ -168,7 +173,7 @@ class App {
         if (!(error instanceof Gone)) throw error;
         this.say(error.message);
         this.isGone = true;
-        if (this.panels.length > 0) this.#title(this.panels.map(({ run }) => run));
+        if (this.panels.length > 0) this.#title();
         this.draw();
         wait = SELDOM;
       }
@@ -195,7 +200,7 @@ class App {
     if (before === now && troubles === this.troubles) return;
     this.troubles = troubles;
     const shown = this.panels.map(({ run }) => run);
-    this.#title(shown);
+    this.#title();
     this.#common(shown);
     this.timeline.setTimes(shown);
     this.controls.build();
@@ -213,19 +218,21 @@ class App {
   }
 
   /** What is shown, and how far it is: in the page, and in the tab. */
-  #title(runs) {
+  #title() {
+    const { panels } = this;
+    const runs = panels.map(({ run }) => run);
     const titles = [...new Set(runs.map((run) => run.title))];
     const title = titles.length > 3 ? `${titles[0]} and ${titles.length - 1} others` : titles.join("; ");
     const of = (id) => document.getElementById(id);
     of("title").textContent = title;
     of("title").title = title;
-    const running = this.isGone ? 0 : runs.filter((run) => run.status === "running").length;
+    const running = this.isGone ? 0 : panels.filter(({ run, isLost }) => run.status === "running" && !isLost).length;
     // Of several runs each says it above its picture.
     if (this.isGone) of("status").textContent = UNKNOWN;
-    else of("status").textContent = runs.length === 1 ? howFar(runs[0]) : `${runs.length} runs, ${running} running`;
+    else of("status").textContent = runs.length === 1 ? panels[0].howFar() : `${runs.length} runs, ${running} running`;
     of("status").classList.toggle("runs", running > 0);
-    const short = (run) => (this.isGone ? UNKNOWN : run.status === "running" && run.end > 0 ? `${percent(run)} %` : run.status);
-    document.title = `${[...new Set(runs.map(short))].join(", ")}: ${title} - Sphorge`;
+    const short = ({ run, isLost }) => (this.isGone ? UNKNOWN : isLost ? LOST : run.status === "running" && run.end > 0 ? `${percent(run)} %` : run.status);
+    document.title = `${[...new Set(panels.map(short))].join(", ")}: ${title} - Sphorge`;
   }
 
   /** Fields, bodies and views of all runs. */
@@ -357,31 +364,48 @@ class App {
     this.colors = { ...found, label, unit: field?.unit ?? "", key, whole, isSingle: Boolean(key) && whole === 0, table };
   }
 
-  /** Reads the ranges of all frames, one after the other, where the bar is to have one scale. */
+  /** Reads the ranges of all frames, one after the other, where the bar is to have one scale, and says how far it is. */
   async #readRanges() {
     if (this.isReading) return;
     this.isReading = true;
+    const began = performance.now();
     try {
-      for (const { number, run } of this.panels) {
-        for (let frame = run.times.length - 1; frame >= 0 && this.state.ranges === "all"; frame -= 1) {
-          const { field } = this.state;
-          const key = `${number}/${frame}/${field}`;
-          if (this.#ranges.has(key)) continue;
-          const head = await this.store.range(number, frame, field);
-          this.#ranges.set(key, head);
-          const { low, high } = this.colors;
-          if (field !== this.state.field) break;
-          this.#color();
-          if (low !== this.colors.low || high !== this.colors.high) {
-            this.controls.show();
-            this.draw();
-          }
-        }
-      }
+      // Another field may be chosen meanwhile.
+      while (!(await this.#readRangesOf(this.state.field, began)));
     } catch {
       // What could not be read is read with the next frame that is shown.
     }
     this.isReading = false;
+    if (this.reading) {
+      this.reading = null;
+      this.#bar();
+    }
+  }
+
+  /** The same of one field; false if another one was chosen meanwhile. */
+  async #readRangesOf(field, began) {
+    const all = this.panels.reduce((sum, { run }) => sum + run.times.length, 0);
+    let count = 0;
+    for (const { number, run } of this.panels) {
+      for (let frame = run.times.length - 1; frame >= 0; frame -= 1) {
+        if (this.state.ranges !== "all") return true;
+        count += 1;
+        const key = `${number}/${frame}/${field}`;
+        if (this.#ranges.has(key)) continue;
+        const head = await this.store.range(number, frame, field);
+        this.#ranges.set(key, head);
+        if (field !== this.state.field) return false;
+        const { low, high } = this.colors;
+        this.#color();
+        // What is done at once need not be told.
+        if (performance.now() - began > PATIENCE) this.reading = `reading frames, ${count} of ${all}`;
+        if (low !== this.colors.low || high !== this.colors.high) {
+          this.controls.show();
+          this.draw();
+        } else if (this.reading) this.#bar();
+      }
+    }
+    return true;
   }
 
   ahead(time) {
@@ -446,11 +470,12 @@ class App {
   /** The bar of colours, drawn again when it is another one. */
   #bar() {
     const element = document.getElementById("bar");
+    if (element.hidden) return;
     const { table, ...rest } = this.colors;
-    const key = JSON.stringify([rest, element.clientWidth, element.clientHeight, window.devicePixelRatio]);
+    const key = JSON.stringify([rest, this.reading, element.clientWidth, element.clientHeight, window.devicePixelRatio]);
     if (key === this.barKey) return;
     this.barKey = key;
-    drawBar(element, { ...rest, map: table });
+    drawBar(element, { ...rest, map: table, reading: this.reading ?? "" });
   }
 
   /** Picks the particle at a place of a panel, or beside it as far as a finger is wide, pixels. */

@@ -48,10 +48,16 @@ class Panel {
     }
     if (run.identity !== "") this.#identity = run.identity;
     this.trouble = run.error ?? "";
+    this.isLost = Boolean(run.error);
     // What was read of a folder that has vanished is still there to be seen.
     if (!run.error || !this.run) this.run = run;
     this.isOpen = run.is_open;
     return isOther;
+  }
+
+  /** How far the run is, in words, or that nobody knows. */
+  howFar() {
+    return this.app.isGone ? UNKNOWN : this.isLost ? LOST : howFar(this.run);
   }
 
   /** The frame nearest to a time. */
@@ -254,10 +260,10 @@ class Panel {
     const isLow = several && this.element.clientHeight < LOW_PANEL;
     const lines = [];
     if (several) lines.push(["name", run.name]);
-    const status = this.app.isGone ? UNKNOWN : run.status;
+    const status = this.app.isGone ? UNKNOWN : this.isLost ? LOST : run.status;
     if (frame >= 0 && isLow) lines.push(["", [`${quantity(run.times[frame] ?? 0, "s")}, frame ${frame}`, ...(status === "completed" ? [] : [status])].join(", ")]);
     else if (frame >= 0) lines.push(["", `${quantity(run.times[frame] ?? 0, "s")}, frame ${frame} of 0 to ${run.times.length - 1}, ${grouped(run.count)} particles`]);
-    if ((several && !isLow) || frame < 0) lines.push(["", this.app.isGone ? UNKNOWN : howFar(run)]);
+    if ((several && !isLow) || frame < 0) lines.push(["", this.howFar()]);
     if (this.trouble) lines.push(["trouble", this.trouble]);
     // Written again only when it says something else.
     const told = JSON.stringify(lines);
