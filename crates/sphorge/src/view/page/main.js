@@ -398,7 +398,7 @@ class App {
         const { low, high } = this.colors;
         this.#color();
         // What is done at once need not be told.
-        if (performance.now() - began > PATIENCE) this.reading = `reading frames, ${count} of ${all}`;
+        if (performance.now() - began > PATIENCE) this.reading = { field, words: `reading frames, ${count} of ${all}` };
         if (low !== this.colors.low || high !== this.colors.high) {
           this.controls.show();
           this.draw();
@@ -472,10 +472,12 @@ class App {
     const element = document.getElementById("bar");
     if (element.hidden) return;
     const { table, ...rest } = this.colors;
-    const key = JSON.stringify([rest, this.reading, element.clientWidth, element.clientHeight, window.devicePixelRatio]);
+    // The count of a field is not that of one that is chosen meanwhile.
+    const reading = this.reading?.field === this.state.field ? this.reading.words : "";
+    const key = JSON.stringify([rest, reading, element.clientWidth, element.clientHeight, window.devicePixelRatio]);
     if (key === this.barKey) return;
     this.barKey = key;
-    drawBar(element, { ...rest, map: table, reading: this.reading ?? "" });
+    drawBar(element, { ...rest, map: table, reading });
   }
 
   /** Picks the particle at a place of a panel, or beside it as far as a finger is wide, pixels. */
