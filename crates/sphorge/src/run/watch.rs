@@ -5,8 +5,10 @@
 //! what to do about it, is in `docs/warnings.md`.
 
 mod cure;
+mod start;
 
 use self::cure::{cure, cure_of_collapse};
+use self::start::{Start, energy_at_start};
 use super::conservation::Conservation;
 use crate::{
     engine::{
@@ -15,10 +17,7 @@ use crate::{
         persist_fields,
         reduction::{Suspects, Suspicion, TEARING_RADIUS},
     },
-    model::{
-        Extremum, Formulation, HeatBoundaryKind, Model, MotionAxis, ParticleSelection, Search, TemperatureSource,
-        TimeTable, WarningKind, WarningLimits,
-    },
+    model::{Formulation, HeatBoundaryKind, Model, Search, TemperatureSource, TimeTable, WarningKind, WarningLimits},
     output::WarningRecord,
 };
 use std::f64::consts::PI;
@@ -31,10 +30,6 @@ const PAIR_STEPS: u64 = 200;
 const PIECE_STEPS: u64 = 500;
 /// Steps in a row with too many to go after which a run is stopped: a step may be short for once.
 const HOPELESS_STEPS: u64 = 100;
-/// Energy that counts as none, over that of the whole mass at the square of its sound speed.
-const NO_ENERGY: f64 = 1e-12;
-/// Speed of rounding over that of sound: less is no motion.
-const ROUNDING: f64 = 1e-12;
 /// A step below this share of the first is small because of the solution, not because the deck asks for small steps.
 const COLLAPSED: f64 = 0.1;
 /// Largest number a share of next to nothing is said to be.
@@ -62,30 +57,6 @@ pub(super) struct Watch {
 /// Share of the particles of a body up to which energies of single ones, which pairs in tension and artificial stress drive up, are no shock.
 const HEATED_SHARE: f64 = 0.01;
 
-/// The state that others are held against.
-#[derive(Clone, Debug, Default)]
-struct Start {
-    kinetic: f64,
-    /// Beyond that of bodies at rest at the temperatures they start with.
-    internal: f64,
-    /// What contacts hold, such as that of a shaft in its hub, J.
-    pressed: f64,
-    external_work: f64,
-    /// Energy (J) and momentum (kg m/s) that are next to nothing.
-    nothing: f64,
-    no_momentum: f64,
-    /// Energy (J) and momentum (kg m/s) of rounding.
-    rounding: [f64; 2],
-    /// Corners of the box around all particles, m, and the highest speed given, m/s.
-    low: [f64; 3],
-    high: [f64; 3],
-    speed: f64,
-    /// Share of the particles of each body that had too few neighbours.
-    lonely: Vec<f64>,
-    /// Share that was not part of its largest piece.
-    apart: Vec<f64>,
-}
-
 /// The largest so far of what supplies energy, J: plastic work stays when a wall takes back what it gave.
 #[derive(Clone, Copy, Debug, Default)]
 struct Supply {
@@ -110,20 +81,6 @@ struct Seen {
     beside: Option<f64>,
 }
 
-persist_fields!(Start {
-    kinetic,
-    internal,
-    pressed,
-    external_work,
-    nothing,
-    no_momentum,
-    rounding,
-    low,
-    high,
-    speed,
-    lonely,
-    apart
-});
 persist_fields!(Supply { work, heat });
 persist_fields!(Seen { kind, step, time, particle, body, position, worst, worst_time, beside });
 
@@ -528,70 +485,8 @@ struct Check {
     unit: f64,
 }
 
-impl Start {
-    fn of(source: &dyn ParticleSource, model: &Model, ledger: &Ledger) -> Result<Self, RunFailure> {
-        let all = ParticleSelection::default();
-        let extremum = |field, component, extremum| -> Result<f64, RunFailure> {
-            let quantity = Quantity { field, component };
-            let found = source.reduce(&Reduction::Extremum { of: &all, quantity, extremum })?;
-            Ok(found.first().copied().unwrap_or(0.0))
-        };
-        let (mut low, mut high) = ([0.0; 3], [0.0; 3]);
-        for axis in 0..3 {
-            low[axis] = extremum("position", Some(axis), Extremum::Minimum)?;
-            high[axis] = extremum("position", Some(axis), Extremum::Maximum)?;
-        }
-        let sound_speed = |body: usize| {
-            let material = model.materials.get(model.bodies[body].material);
-            material.map_or(0.0, |material| material.equation_of_state.reference_sound_speed())
-        };
-        let energy = |body: usize| ledger.bodies[body].mass * sound_speed(body).powi(2);
-        let momentum = |body: usize| ledger.bodies[body].mass * sound_speed(body);
-        let bodies = model.bodies.len().min(ledger.bodies.len());
-        let (energy, momentum): (f64, f64) = ((0..bodies).map(energy).sum(), (0..bodies).map(momentum).sum());
-        Ok(Self {
-            kinetic: ledger.total.energies.kinetic,
-            pressed: ledger.contacts.iter().map(|contact| contact.stored_energy.max(0.0)).sum(),
-            internal: ledger.total.energies.internal
-                - (0..bodies).map(|body| ledger.bodies[body].mass * energy_at_start(model, body)).sum::<f64>(),
-            // Regions that are driven from the start have been given their velocity: it is in the kinetic energy.
-            external_work: ledger.external_work,
-            nothing: NO_ENERGY * energy,
-            // That of a mass with that energy.
-            no_momentum: NO_ENERGY.sqrt() * momentum,
-            rounding: [ROUNDING.powi(2) * energy, ROUNDING * momentum],
-            low,
-            high,
-            speed: extremum("speed", None, Extremum::Maximum)?.max(driven_speed(model)),
-            lonely: Vec::new(),
-            apart: Vec::new(),
-        })
-    }
-}
-
-/// The highest speed that walls and driven regions have, m/s.
-fn driven_speed(model: &Model) -> f64 {
-    let largest = |table: &TimeTable| table.points.iter().map(|point| point.1.abs()).fold(0.0, f64::max);
-    let norm = |axes: [f64; 3]| axes.iter().map(|v| v * v).sum::<f64>().sqrt();
-    let of_wall = model.walls.iter().map(|wall| norm([0, 1, 2].map(|a| largest(&wall.velocity[a]))));
-    let of_motion = model.motions.iter().map(|motion| {
-        norm([0, 1, 2].map(|a| match &motion.axes[a] {
-            MotionAxis::Free => 0.0,
-            MotionAxis::Velocity(table) => largest(table),
-        }))
-    });
-    of_wall.chain(of_motion).fold(0.0, f64::max)
-}
-
 fn is_zero(table: &TimeTable) -> bool {
     table.points.iter().all(|point| point.1 == 0.0)
-}
-
-/// Specific internal energy of a body at rest at the temperature it starts with, J/kg; that of the reference temperature is zero.
-fn energy_at_start(model: &Model, body: usize) -> f64 {
-    let Some(body) = model.bodies.get(body) else { return 0.0 };
-    let Some(material) = model.materials.get(body.material).filter(|material| material.heats()) else { return 0.0 };
-    material.cold_energies().of_temperature(model.density_at_start(body), body.temperature)
 }
 
 /// What heat can leave a body of the internal energy it starts with, J/kg, zero or less: it may become as cold as the coldest that anything
