@@ -355,7 +355,7 @@ impl Oracle {
         };
         let fastest = model.bodies.iter().map(rate).fold(0.0, f64::max);
         // Half of the stability limit at facets leaves room for the material behind them.
-        let of_springs = courant.min(1.0 / 3.0);
+        let of_springs = if model.time.fixed_step.is_some() { courant } else { courant.min(1.0 / 3.0) };
         for wall in &model.walls {
             if let WallContact::Penalty { stiffness, .. } = wall.contact {
                 least = least.min(limit(penalty_limit(stiffness, fastest, of_springs), LimitReason::Contact));

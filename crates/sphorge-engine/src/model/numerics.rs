@@ -222,9 +222,9 @@ pub struct TimeControl {
 }
 
 impl TimeControl {
-    /// Courant number of contacts between bodies and of penalty walls.
+    /// Courant number of contacts between bodies and of penalty walls. A fixed step is held against limits of one number.
     pub fn courant_of_contacts(&self) -> f64 {
-        self.courant.min(MOST_OF_CONTACTS)
+        if self.fixed_step.is_some() { self.courant } else { self.courant.min(MOST_OF_CONTACTS) }
     }
 }
 

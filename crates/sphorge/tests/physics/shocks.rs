@@ -66,3 +66,11 @@ fn springs_between_bodies_do_not_step_as_far_as_waves() {
     let share = ledger.integration_energy.abs() / brought;
     assert!(share < 0.2, "{share}");
 }
+
+#[test]
+fn a_fixed_step_is_held_against_limits_of_one_courant_number() {
+    // Two thirds of the stability limit of the springs between the plates, which it is less than.
+    let time = "{ end = \"1 s\", courant = 0.9, fixed-step = \"10 ns\" }";
+    let mut simulation = simulation(PLATES, &[("body.flyer.velocity", "[\"100 m/s\"]"), ("time", time)]);
+    run_to(&mut simulation, 0.3e-6);
+}
