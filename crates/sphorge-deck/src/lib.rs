@@ -50,6 +50,7 @@ pub use printable::moves_the_cursor;
 pub use report::{DeckReport, Problem};
 pub use schema::schema;
 pub use suggest::{did_you_mean, like as names_like};
+pub use unit::unit_symbols;
 
 /// The words of the key `search`, one for each neighbour search.
 pub fn search_words() -> Vec<&'static str> {

@@ -148,6 +148,11 @@ pub(super) fn table() -> Vec<(&'static str, String, bool)> {
     rows
 }
 
+/// Symbols of units without prefixes, except those of degrees Celsius.
+pub fn unit_symbols() -> impl Iterator<Item = &'static str> {
+    SYMBOLS.iter().map(|symbol| symbol.0)
+}
+
 /// Every symbol a user can write, for suggestions.
 fn spellings() -> Vec<String> {
     let prefixed = SYMBOLS.iter().filter(|s| s.4).flat_map(|s| PREFIXES.iter().map(|p| format!("{}{}", p.0, s.0)));

@@ -2,7 +2,7 @@
 
 use super::{ViewError, ViewSettings, run::ViewedRun, save_single_page};
 use crate::{
-    Particles,
+    Particles, deck,
     output::{FrameHeader, RunDirectory, SeriesEntry, Status, Summary, testing, write_frame_file, write_series},
     plot::PlotError,
 };
@@ -215,4 +215,36 @@ fn a_single_page_stays_below_its_size_and_tells_what_it_lacks() {
     assert!(half.bytes <= most && half.bytes > own + (most - own) * 3 / 4, "{} of {most}", half.bytes);
     assert!(half.left_out[0].contains("of 40 frames, at most"), "{:?}", half.left_out);
     assert!(matches!(save_single_page(&folders, &settings, 50_000, &to, true), Err(ViewError::Size { .. })));
+}
+
+#[test]
+fn the_page_has_the_units_of_decks() {
+    let script = include_str!("page/units.js");
+    let table = script.split_once("const UNITS = {\n").unwrap().1.split_once("\n};").unwrap().0;
+    let symbol_of = |line: &str| line.trim().split_once(": [").unwrap().0.trim_matches('"').to_owned();
+    let symbols: Vec<String> = table.lines().map(symbol_of).collect();
+    assert_eq!(symbols, deck::unit_symbols().collect::<Vec<_>>());
+    for (line, symbol) in table.lines().zip(symbols) {
+        // `Pa: [1, [-1, 1, -2, 0], true],`: the factor, the powers of metre, kilogram, second and kelvin, and whether it takes prefixes.
+        let (factor, rest) = line.split_once(": [").unwrap().1.split_once(", [").unwrap();
+        let (powers, prefixes) = rest.split_once("], ").unwrap();
+        let terms = factor.split(" * ").flat_map(|product| product.split(" / ")).map(|number| match number {
+            "Math.PI" => std::f64::consts::PI,
+            number => number.parse().unwrap(),
+        });
+        let terms: Vec<f64> = terms.collect();
+        let factor = match (&terms[..], factor.contains('/')) {
+            (&[number], false) => number,
+            (&[a, b], false) => a * b,
+            (&[a, b], true) => a / b,
+            _ => panic!("{line}"),
+        };
+        let powers: Vec<i32> = powers.split(", ").map(|power| power.parse().unwrap()).collect();
+        let base = ["m", "kg", "s", "K"].iter().zip(&powers).filter(|(_, power)| **power != 0);
+        let own = base.map(|(unit, power)| format!("{unit}^{power}")).collect::<Vec<_>>().join(" ");
+        let value = deck::read_quantity(&format!("1 {symbol}"), &own).unwrap();
+        assert!((value / factor - 1.0).abs() < 1e-12, "{line}: {value}");
+        let prefixed = deck::read_quantity(&format!("1 G{symbol}"), &own);
+        assert_eq!(prefixed.is_ok(), prefixes.starts_with("true"), "{line}: {prefixed:?}");
+    }
 }
