@@ -27,6 +27,8 @@ pub(crate) struct Choices {
     pub(crate) round: Arrangement,
     /// Smoothing length over spacing.
     pub(crate) smoothing: f64,
+    /// Courant number.
+    pub(crate) courant: f64,
 }
 
 /// Which contact a wall has.
@@ -47,6 +49,7 @@ const UPDATED: Choices = Choices {
     viscosity: defaults::VISCOSITY,
     round: Arrangement::Square,
     smoothing: defaults::SMOOTHING,
+    courant: defaults::COURANT,
 };
 
 impl Method {
@@ -70,6 +73,7 @@ impl Method {
                     viscosity: defaults::BULK_VISCOSITY,
                     round: Arrangement::Rings,
                     smoothing: defaults::LAGRANGIAN_SMOOTHING,
+                    courant: defaults::LAGRANGIAN_COURANT,
                     ..UPDATED
                 }
             }

@@ -15,7 +15,7 @@ tables! {
         negative_energy: Option<Given<Number>>, example 0.02, default 0.01;
         /// Largest work of the hourglass springs that they do not hold, of either sign, beyond what the integrator booked, over the energy supplied.
         hourglass_work: Option<Given<Number>>, example 0.2, default 0.1;
-        /// Largest energy that the integration in time has lost or made, over the energy supplied.
+        /// Largest energy that the integration in time has lost or made, over the energy that has passed between motion and matter.
         integration: Option<Given<Number>>, example 0.2, default 0.1;
         /// Lowest temperature.
         cold: Option<Given<Temperature>>, example "200 K", default "0 K";

@@ -110,7 +110,7 @@ impl WarningKind {
             Self::Integration => above(
                 "integration",
                 0.1,
-                "energy that the integration in time has lost or made, over the energy supplied",
+                "energy that the integration in time has lost or made, over the energy that has passed between motion and matter",
             ),
             Self::Cold => WarningInfo { unit: "K", ..below("cold", 0.0, "temperature") },
             Self::Hot => above("hot", 2.0, "temperature over the highest that the particle's energy allows"),

@@ -62,6 +62,11 @@ const HEATED_SHARE: f64 = 0.01;
 struct Supply {
     work: f64,
     heat: f64,
+    /// Sum of all changes of the kinetic energy since the start, J, up and down: in a body that vibrates, energy passes between motion and
+    /// matter again and again.
+    exchanged: f64,
+    /// Kinetic energy when it was last looked at, J.
+    kinetic: Option<f64>,
 }
 
 /// A warning.
@@ -81,7 +86,7 @@ struct Seen {
     beside: Option<f64>,
 }
 
-persist_fields!(Supply { work, heat });
+persist_fields!(Supply { work, heat, exchanged, kinetic });
 persist_fields!(Seen { kind, step, time, particle, body, position, worst, worst_time, beside });
 
 /// Where something was seen.
@@ -234,6 +239,9 @@ impl Watch {
         let Some(start) = &self.start else { return };
         self.supply.work = self.supply.work.max(ledger.external_work - start.external_work);
         self.supply.heat = self.supply.heat.max(ledger.boundary_heat());
+        let kinetic = ledger.total.energies.kinetic;
+        self.supply.exchanged += (kinetic - self.supply.kinetic.unwrap_or(start.kinetic)).abs();
+        self.supply.kinetic = Some(kinetic);
         let supplied = start.kinetic + start.internal.max(0.0) + start.pressed + self.supply.work + self.supply.heat;
         let (nothing, kinetic) = (start.nothing, start.kinetic);
         // A share of next to nothing is no number for people.
@@ -247,8 +255,10 @@ impl Watch {
             (ledger.hourglass_energy - ledger.hourglass_stored_energy).abs() - ledger.integration_energy.abs();
         self.hold(WarningKind::HourglassWork, share(springs.max(0.0), supplied), Place::default(), clock);
 
+        // Every passage between motion and matter has its error, so that of a vibration grows without end.
+        let passed = supplied.max(self.supply.exchanged);
         let lost = ledger.integration_energy.abs();
-        self.hold(WarningKind::Integration, share(lost, supplied), Place::default(), clock);
+        self.hold(WarningKind::Integration, share(lost, passed), Place::default(), clock);
 
         let floors: Vec<f64> =
             (0..ledger.bodies.len()).map(|body| ledger.bodies[body].mass * least_energy(model, body)).collect();

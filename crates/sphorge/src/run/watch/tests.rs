@@ -83,6 +83,22 @@ fn energy_that_the_steps_lose_is_told() {
 }
 
 #[test]
+fn a_vibration_may_lose_a_little_in_each_of_many_periods() {
+    let model = testing::model(&["bar"]);
+    let at =
+        |kinetic: f64, lost: f64| Ledger { integration_energy: lost, ..ledger(kinetic, 100.0 - kinetic, 0.0, 0.0) };
+    let mut watch = begun(&model);
+    for (period, lost) in (1..=10).map(|period| (period, -3.0 * f64::from(period))) {
+        watch.look_at_ledger(&model, &at(0.0, lost), CLOCK);
+        watch.look_at_ledger(&model, &at(100.0, lost), CLOCK);
+        assert_eq!(watch.count(), 0, "{period}");
+    }
+    // 220 of the 2000 J that have passed are too much.
+    watch.look_at_ledger(&model, &at(100.0, -220.0), CLOCK);
+    assert_eq!(found(&watch, &model), one("integration", 0.11));
+}
+
+#[test]
 fn what_was_driven_from_the_start_supplies_what_it_moves_with() {
     let model = testing::model(&["bar"]);
     let mut watch = begun(&model);
