@@ -3,6 +3,7 @@
 use super::{GhostColumn, Halo, Incoming, Outgoing, Packed};
 use crate::model::{Model, SymmetryPlane};
 use crate::persist::{Archive, ArchiveError, Persist, require};
+use rayon::prelude::*;
 use sphorge_physics::{Real, SymmetricTensor, Tensor, Vector};
 use std::collections::HashSet;
 
@@ -41,6 +42,12 @@ impl Image {
         [0, 1, 2].map(|a| v[a] * self.sign[a])
     }
 
+    /// The axes it is mirrored on: bit 0 for x.
+    #[inline(always)]
+    fn mirrored(&self) -> usize {
+        (0..3).map(|a| usize::from(self.sign[a] < 0.0) << a).sum()
+    }
+
     fn symmetric(&self, tensor: SymmetricTensor<f64>) -> SymmetricTensor<f64> {
         let mut c = tensor.to_array();
         for (value, (a, b)) in c.iter_mut().zip(PAIRS) {
@@ -69,32 +76,47 @@ pub(super) fn reflect(images: &[Image], others: usize, column: GhostColumn<'_>) 
     }
 }
 
+/// Images that a thread fills at a time: fewer are not worth a second thread.
+const SHARE: usize = 256;
+
 /// Each image behind the other ghosts, filled from its source by `of`.
-fn each<V: Copy>(images: &[Image], others: usize, own: &[V], ghosts: &mut [V], of: impl Fn(&Image, V) -> V) {
+fn each<V: Copy + Send + Sync>(
+    images: &[Image],
+    others: usize,
+    own: &[V],
+    ghosts: &mut [V],
+    of: impl Fn(&Image, V) -> V + Sync,
+) {
     let (others, ghosts) = ghosts.split_at_mut(others);
-    for (image, ghost) in images.iter().zip(ghosts) {
-        let source = image.source as usize;
-        *ghost = of(image, source.checked_sub(own.len()).map_or_else(|| own[source], |k| others[k]));
-    }
+    let others = &*others;
+    images.par_chunks(SHARE).zip(ghosts.par_chunks_mut(SHARE)).for_each(|(images, ghosts)| {
+        for (image, ghost) in images.iter().zip(ghosts) {
+            let source = image.source as usize;
+            *ghost = of(image, source.checked_sub(own.len()).map_or_else(|| own[source], |k| others[k]));
+        }
+    });
 }
 
-fn packed<T: Real>(images: &[Image], others: usize, records: Packed<'_, T>) {
+fn packed<T: Real + Send + Sync>(images: &[Image], others: usize, records: Packed<'_, T>) {
     let Packed { own, ghosts, axes } = records;
     let width = axes.len();
     let (others, ghosts) = ghosts.split_at_mut(others * width);
-    for (image, record) in images.iter().zip(ghosts.chunks_exact_mut(width)) {
-        let start = image.source as usize * width;
-        let source = start.checked_sub(own.len()).map_or_else(|| &own[start..], |start| &others[start..]);
-        let sign = image.sign.map(T::of);
-        for ((entry, source), (first, second)) in record.iter_mut().zip(&source[..width]).zip(axes) {
-            *entry = *source;
-            for axis in [first, second] {
-                if *axis != 0 {
-                    *entry = *entry * sign[axis.trailing_zeros() as usize];
-                }
+    let others = &*others;
+    // What the entries of a record are multiplied by, for each of the eight sets of axes that an image is mirrored on.
+    let factors: Vec<T> = (0..8u8)
+        .flat_map(|mirrored| axes.iter().map(move |(first, second)| (mirrored & first, mirrored & second)))
+        .map(|(first, second)| if (first != 0) == (second != 0) { T::one() } else { -T::one() })
+        .collect();
+    images.par_chunks(SHARE).zip(ghosts.par_chunks_mut(SHARE * width)).for_each(|(images, ghosts)| {
+        for (image, record) in images.iter().zip(ghosts.chunks_exact_mut(width)) {
+            let start = image.source as usize * width;
+            let source = start.checked_sub(own.len()).map_or_else(|| &own[start..], |start| &others[start..]);
+            let of_image = &factors[width * image.mirrored()..][..width];
+            for ((entry, source), factor) in record.iter_mut().zip(&source[..width]).zip(of_image) {
+                *entry = *source * *factor;
             }
         }
-    }
+    });
 }
 
 /// The planes and periodic axes of a model, and the images they make.
