@@ -1,11 +1,32 @@
 //! How long a step may be where bodies approach each other: a contact acts from the step on in which surfaces have met, and what passes through a
 //! particle in a step is not met at all.
 
-use crate::model::Model;
+use crate::model::{Body, Model};
 use crate::particles::Particles;
+use sphorge_physics::time_step::{longitudinal_speed, sound_limit};
 
 /// How far surfaces approach each other in a step, in spacings. Below some 3 km/s sound limits the steps more.
 const LARGEST: f64 = 0.2;
+
+/// Largest Courant number of waves where different bodies may meet. The step in which surfaces meet is chosen before anything presses: at 0.45 the plates of
+/// an impact at 1 km/s book 7 % of their energy in it to the integration, at 0.3 less than 2 %.
+const MOST_OF_MEETING: f64 = 0.3;
+
+/// Longest step, s, with which bodies of this model can meet, whatever they do: that of waves in the smallest cells of those that may, at rest, at no more
+/// than [`MOST_OF_MEETING`].
+fn of_meeting(model: &Model) -> f64 {
+    let meet = model.contact_pairs().iter().any(|(a, b)| a != b);
+    if !meet || model.time.courant <= MOST_OF_MEETING {
+        return f64::INFINITY;
+    }
+    let of = |body: &Body| {
+        let material = &model.materials[body.material];
+        let sound = material.equation_of_state.reference_sound_speed();
+        let speed = longitudinal_speed(sound, material.shear_modulus, material.density);
+        sound_limit(body.smoothing_length, speed, 0.0, MOST_OF_MEETING)
+    };
+    model.bodies.iter().map(of).fold(f64::INFINITY, f64::min)
+}
 
 /// Longest step, s, for bodies that approach each other as fast as any two particles do at the start, infinite where no bodies meet. It is
 /// the same in every uniformly moving frame. What an impact throws out faster, a jet, is not looked for. A step that a deck fixes is not limited.
@@ -21,5 +42,5 @@ pub(crate) fn limit(model: &Model, particles: &Particles) -> f64 {
     }
     let squared: f64 = (0..3).map(|a| (most[a] - least[a]).powi(2)).sum();
     let spacing = model.bodies.iter().map(|body| body.spacing).fold(f64::INFINITY, f64::min);
-    LARGEST * spacing / squared.sqrt()
+    (LARGEST * spacing / squared.sqrt()).min(of_meeting(model))
 }
