@@ -20,6 +20,8 @@ pub(crate) const VISCOSITY: (f64, f64) = (1.0, 1.0);
 /// The quadratic part is next to nothing in waves and flow: from 1 to 8 feet of bars become 0.1 % narrower. Behind the shock of plates of copper that meet at
 /// 2 km/s, however, pressures are up to 93 % too high with 1 and 17 % with 8, and the pressure is 1.6 % too low and right.
 pub(crate) const BULK_VISCOSITY: (f64, f64) = (0.1, 8.0);
+/// Linear viscosity of shocks along pairs.
+pub(crate) const VISCOSITY_OF_SHOCKS: f64 = 0.0;
 /// How often a step that changes too much is repeated.
 pub(crate) const REPEATS: u32 = 10;
 /// Strength of XSPH in the papers' methods.

@@ -23,6 +23,8 @@ pub(crate) struct Choices {
     pub(crate) wall: WallContactKind,
     /// Linear and quadratic constant of the artificial viscosity.
     pub(crate) viscosity: (f64, f64),
+    /// That of shocks along pairs.
+    pub(crate) viscosity_of_shocks: f64,
     /// Arrangement of the particles of bodies that rings can fill.
     pub(crate) round: Arrangement,
     /// Smoothing length over spacing.
@@ -47,6 +49,7 @@ const UPDATED: Choices = Choices {
     xsph: 0.0,
     wall: WallContactKind::MonaghanKos,
     viscosity: defaults::VISCOSITY,
+    viscosity_of_shocks: 0.0,
     round: Arrangement::Square,
     smoothing: defaults::SMOOTHING,
     courant: defaults::COURANT,
@@ -71,6 +74,7 @@ impl Method {
                     strategy: Strategy::TOTAL,
                     wall: WallContactKind::Penalty,
                     viscosity: defaults::BULK_VISCOSITY,
+                    viscosity_of_shocks: defaults::VISCOSITY_OF_SHOCKS,
                     round: Arrangement::Rings,
                     smoothing: defaults::LAGRANGIAN_SMOOTHING,
                     courant: defaults::LAGRANGIAN_COURANT,

@@ -33,7 +33,10 @@ impl Strategy {
     /// Takes out of the choices what the formulation does without; what to tell the user whose keys had asked for it.
     pub(crate) fn normalise(self, numerics: &mut Numerics) -> Option<String> {
         match self.formulation {
-            Formulation::UpdatedLagrangian => return None,
+            Formulation::UpdatedLagrangian => {
+                let asked = std::mem::take(&mut numerics.viscosity_of_shocks) != 0.0;
+                return asked.then(|| "only the total Lagrangian form uses `numerics.viscosity.shocks`".to_owned());
+            }
             Formulation::TotalLagrangian { .. } => {}
         }
         let mut dropped = Vec::new();

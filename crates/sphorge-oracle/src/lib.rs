@@ -95,6 +95,9 @@ pub(crate) struct Oracle {
     pub(crate) artificial_power: Vec<f64>,
     /// Bulk viscosity of the last stress, Pa, and powers of the viscosity of pairs and of hourglass springs on all particles, W.
     pub(crate) viscous_pressure: Vec<f64>,
+    /// `chi c rho_0` of the viscosity of shocks, Pa s/m, and how fast viscosity damps a particle, 1/s.
+    pub(crate) impedance: Vec<f64>,
+    pub(crate) damping_rate: Vec<f64>,
     pub(crate) viscous_power: f64,
     pub(crate) hourglass_power: f64,
     /// Least stretch at which a particle has yielded, zero without springs, and, of its springs, mean square of the misfit and stress of the
@@ -182,6 +185,8 @@ impl EngineKind for OracleKind {
             artificial_energy: vec![0.0; n],
             artificial_power: vec![0.0; n],
             viscous_pressure: vec![0.0; n],
+            impedance: vec![0.0; n],
+            damping_rate: vec![0.0; n],
             viscous_power: 0.0,
             hourglass_power: 0.0,
             yielded_stretch: vec![1.0; n],
@@ -383,6 +388,7 @@ impl Engine for Oracle {
         if !self.is_idle() {
             self.sum_forces();
             self.resist_hourglass();
+            self.resist_shocks();
             self.add_contacts();
             self.exerted_at.clone_from(&self.p.position);
             self.add_external();

@@ -360,7 +360,16 @@ impl Oracle {
             if self.total_lagrangian().is_some() {
                 let h = h * smallest_stretch(&self.deformation[i]);
                 let divergence = l[0][0] + l[1][1] + l[2][2];
-                let q = self.share[i] * bulk_viscosity(self.viscosity(), divergence, rho, c, h);
+                let acts = match numerics.viscosity_of_shocks > 0.0 {
+                    true => self.share[i] * self.share_in_shocks(i, h),
+                    false => self.share[i],
+                };
+                let q = acts * bulk_viscosity(self.viscosity(), divergence, rho, c, h);
+                self.impedance[i] = acts * c * self.p.mass[i] / self.initial_volume[i];
+                let (linear, quadratic) = (numerics.viscosity_alpha * c, numerics.viscosity_beta * h * (-divergence).max(0.0));
+                let pairs = 2.4 * numerics.viscosity_of_shocks * c / self.p.smoothing_length[i];
+                let share = if numerics.viscosity_of_shocks > 0.0 { self.share_in_shocks(i, h) } else { 1.0 };
+                self.damping_rate[i] = share * (0.6 * (linear + 2.0 * quadratic) / h + pairs);
                 pressure += q;
                 // The kicks of the step take half of it with the pressure before and half with the one after.
                 let mean = 0.5 * (std::mem::replace(&mut self.viscous_pressure[i], q) + q);
@@ -547,6 +556,47 @@ impl Oracle {
             self.p.acceleration[i] = plus(self.p.acceleration[i], 1.0, a);
             self.p.energy_rate[i] += power;
             self.hourglass_power += self.p.mass[i] * power;
+            self.exerted.extend(exerted);
+        }
+    }
+
+    /// `chi`, with the smoothing length as compressed, m.
+    fn share_in_shocks(&self, i: usize, h: f64) -> f64 {
+        let (l, c) = (&self.p.velocity_gradient[i], self.p.sound_speed[i]);
+        let rate = SymmetricTensor::symmetric_part(l).to_tensor();
+        let trace: f64 = (0..3).map(|a| rate[a][a]).sum();
+        let square: f64 = rate.as_flattened().iter().map(|d| d * d).sum();
+        if trace >= 0.0 {
+            return 0.0;
+        }
+        ((-h * trace / c - 0.001) / 0.002).clamp(0.0, 1.0) * (trace * trace / square).min(1.0).powi(2)
+    }
+
+    /// Viscosity of shocks along pairs at their places now, `V_i V_j w_ij alpha max(z_i, z_j) h max(0, -v.x)/x^2 x`; half of the heat to each.
+    pub(crate) fn resist_shocks(&mut self) {
+        let strength = self.model.numerics.viscosity_of_shocks;
+        if self.total_lagrangian().is_none() || strength == 0.0 {
+            return;
+        }
+        let p = &self.p;
+        let sums = self.each(|i| {
+            let (mut a, mut power, mut exerted) = ([0.0; 3], 0.0, Vec::new());
+            for n in self.pairs(i, &self.searched_at) {
+                let x = minus(p.position[i], n.image.point(p.position[n.j]));
+                let v = minus(self.evaluated[i], n.image.vector(self.evaluated[n.j]));
+                let closes = (-dot(v, x)).max(0.0) / (dot(x, x) + 1e-9 * n.h * n.h);
+                let push = strength * self.impedance[i].max(self.impedance[n.j]) * n.h * closes;
+                let force = x.map(|x| -self.initial_volume[i] * self.initial_volume[n.j] * n.f * push * x);
+                a = plus(a, 1.0 / p.mass[i], force);
+                power -= 0.5 * dot(force, v);
+                exerted.push((i, n.j, n.image, force));
+            }
+            (a, power, exerted)
+        });
+        for (i, (a, power, exerted)) in sums.into_iter().enumerate() {
+            self.p.acceleration[i] = plus(self.p.acceleration[i], 1.0, a);
+            self.p.energy_rate[i] += power / self.p.mass[i];
+            self.viscous_power += power;
             self.exerted.extend(exerted);
         }
     }

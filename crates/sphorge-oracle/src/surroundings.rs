@@ -348,6 +348,7 @@ impl Oracle {
                 h = limiting_length(h, smallest_stretch(&self.deformation[i]));
             }
             least = least.min(limit(sound_limit(h, speed, self.mu[i], courant), LimitReason::SoundSpeed));
+            least = least.min(limit(1.0 / self.damping_rate[i], LimitReason::SoundSpeed));
             least = least.min(limit(acceleration_limit(h, a, courant), LimitReason::Acceleration));
         }
         let rate = |b: &sphorge_engine::model::Body| {

@@ -20,6 +20,8 @@ use sphorge_physics::step_control::StepChange;
 
 /// Exponents above give a force that is zero or infinite in all but name.
 const LARGEST_EXPONENT: u64 = 16;
+/// Strongest viscosity of shocks: steps are shorter in proportion.
+const MOST_VISCOSITY_OF_SHOCKS: f64 = 10.0;
 /// Strongest hourglass springs: their fastest vibration is 1.3 times as fast as that of the metal.
 const STRONGEST_HOURGLASS: f64 = 4.0;
 /// Stretches at which the reference configuration may be renewed: above those of elastic bodies.
@@ -55,9 +57,9 @@ pub(crate) fn numerics(raw: &RawNumerics, usual: &Choices, problems: &mut Proble
     let mls_interval = or_default!(raw.mls_interval, None, |n: &crate::value::Count| n.positive(problems).map(Some));
     let smoothing_length =
         or_default!(raw.smoothing_length, SmoothingLength::Constant, |given| smoothing_length(given, problems));
-    let viscosity = viscosity(raw, usual.viscosity, problems);
+    let viscosity = viscosity(raw, usual, problems);
     let artificial_stress = artificial_stress(raw, usual.artificial_stress, problems);
-    let (viscosity_alpha, viscosity_beta, balsara) = viscosity?;
+    let (viscosity_alpha, viscosity_beta, balsara, viscosity_of_shocks) = viscosity?;
     Some(Numerics {
         kernel: kernel?,
         integrator: integrator?,
@@ -66,6 +68,7 @@ pub(crate) fn numerics(raw: &RawNumerics, usual: &Choices, problems: &mut Proble
         gradient_correction: gradient_correction?,
         viscosity_alpha,
         viscosity_beta,
+        viscosity_of_shocks,
         balsara,
         artificial_stress: artificial_stress?,
         xsph: xsph?,
@@ -112,20 +115,25 @@ fn smoothing_length(
     Some(SmoothingLength::FollowDensity { factor: factor? })
 }
 
-fn viscosity(raw: &RawNumerics, usual: (f64, f64), problems: &mut Problems) -> Option<(f64, f64, bool)> {
-    let (default_alpha, default_beta) = usual;
+/// Linear and quadratic constant, Balsara's switch, and the constant of shocks.
+fn viscosity(raw: &RawNumerics, usual: &Choices, problems: &mut Problems) -> Option<(f64, f64, bool, f64)> {
+    let (default_alpha, default_beta) = usual.viscosity;
+    let default_shocks = usual.viscosity_of_shocks;
     let table = match &raw.viscosity {
-        None => return Some((default_alpha, default_beta, false)),
+        None => return Some((default_alpha, default_beta, false, default_shocks)),
         Some(ScalarOr::Scalar(flag)) => {
             let on = flag.get(problems)?;
-            return Some(if on { (default_alpha, default_beta, false) } else { (0.0, 0.0, false) });
+            return Some(if on { (default_alpha, default_beta, false, default_shocks) } else { (0.0, 0.0, false, 0.0) });
         }
         Some(ScalarOr::Composed(table, _)) => table,
     };
     let alpha = or_default!(table.alpha, default_alpha, |a: &Given<Number>| a.within(Bound::NonNegative, problems));
     let beta = or_default!(table.beta, default_beta, |b: &Given<Number>| b.within(Bound::NonNegative, problems));
     let balsara = or_default!(table.balsara, false, |b: &crate::value::Flag| b.get(problems));
-    Some((alpha?, beta?, balsara?))
+    // Constants that are given are meant for all motion.
+    let default_shocks = if table.alpha.is_none() && table.beta.is_none() { default_shocks } else { 0.0 };
+    let shocks = or_default!(table.shocks, default_shocks, |s: &Given<Number>| s.within(Bound::Between(0.0, MOST_VISCOSITY_OF_SHOCKS), problems));
+    Some((alpha?, beta?, balsara?, shocks?))
 }
 
 fn artificial_stress(

@@ -356,8 +356,8 @@ type Chunks<'a, T> = (
     Viscous<'a>,
 );
 
-/// Bulk viscosity of a block of particles, if there is one, and its work so far, J.
-type Viscous<'a> = (Option<&'a mut [f64]>, &'a mut f64);
+/// Bulk viscosity of a block of particles, and how fast it damps them, if there is one, and its work so far, J.
+type Viscous<'a> = (Option<(&'a mut [f64], &'a mut [f64])>, &'a mut f64);
 
 impl<T: PairScalar> CpuEngine<T> {
     /// Updates the stress to the configuration in which forces are evaluated, and packs it for the force sum. With
@@ -376,6 +376,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let form = StressForm {
             pair_form: numerics.pair_form,
             bulk_viscosity: formulation.bulk_viscosity(model),
+            shocks: formulation.viscosity_of_shocks(model),
             artificial_stress: numerics.artificial_stress.is_some(),
             breaks: model.materials.iter().any(Material::breaks),
             dimension: super::dimension(model),
@@ -396,6 +397,7 @@ impl<T: PairScalar> CpuEngine<T> {
             smoothing_length,
             smallest_stretch: stretch,
             viscous_pressure,
+            damping_rate,
             mass,
             deviator,
             plastic_strain,
@@ -415,7 +417,8 @@ impl<T: PairScalar> CpuEngine<T> {
         } = &mut self.particles;
         // What springs hold is neither strain of the metal nor heat.
         let law = SpringLaw::of(model).filter(|_| numerics.temperature == TemperatureSource::Energy);
-        let springs = (&*reference_volume, &*yielded_stretch, &*spring_misfit);
+        let reference_volume = &*reference_volume;
+        let springs = (reference_volume, &*yielded_stretch, &*spring_misfit);
         let (artificial_energy, artificial_power) = (&*artificial_energy, &*artificial_power);
         let (history, slots, history_width) = history.parts();
         let step = StressStep {
@@ -444,7 +447,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let corrected_length = if corrected { count } else { 0 };
         let viscous = &mut self.numerical_work.viscous;
         let without = if viscous_pressure.is_empty() { viscous.work.len() } else { 0 };
-        let viscous_pressure = viscous_pressure.par_chunks_mut(BLOCK).map(Some);
+        let viscous_pressure = viscous_pressure.par_chunks_mut(BLOCK).zip(damping_rate.par_chunks_mut(BLOCK)).map(Some);
 
         let chunks = (
             deviator.par_chunks_mut(BLOCK),
@@ -517,11 +520,18 @@ impl<T: PairScalar> CpuEngine<T> {
                 dt,
             };
             FlowColumns::new(flow).take_step(&step, columns, &inputs);
-            run(step.instructions, PackStress { columns, form, records, extras });
-            if let (Some(parameters), (Some(pressure), work)) = (form.bulk_viscosity, viscous) {
+            if let (Some(parameters), (Some((pressure, rates)), work)) = (form.bulk_viscosity, viscous) {
                 let masses = &mass[particles.clone()];
-                *work += step_size * columns.viscous_power(parameters, form.breaks, masses, pressure);
+                columns.find_shocks(&form, parameters, &inputs, rates);
+                *work += step_size * columns.viscous_power(parameters, &form, masses, pressure);
+                if form.shocks.is_some() {
+                    let volumes = &reference_volume[particles.clone()];
+                    for (here, (mass, volume)) in columns.initial_density.iter_mut().zip(masses.iter().zip(volumes)) {
+                        *here = mass / volume;
+                    }
+                }
             }
+            run(step.instructions, PackStress { columns, form, records, extras });
 
             if commit {
                 for (k, s) in s.iter_mut().enumerate() {

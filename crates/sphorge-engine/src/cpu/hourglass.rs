@@ -73,7 +73,7 @@ fn displacement_gradient<L: Lanes>(record: &[L; entry::LEN]) -> Tensor<L> {
 /// `u_i - u_j` along an axis, m. Neighbours have moved by nearly the same, so that the difference of the numbers is
 /// exact or nearly so, and that of the rests is as small as what is left.
 #[inline(always)]
-fn relative_displacement<L: Lanes>(own: &[L; entry::LEN], other: &[L; entry::LEN], axis: usize) -> L {
+pub(super) fn relative_displacement<L: Lanes>(own: &[L; entry::LEN], other: &[L; entry::LEN], axis: usize) -> L {
     let difference = |first: usize| own[first + axis] - other[first + axis];
     difference(entry::U) + difference(entry::U_REST)
 }
@@ -175,6 +175,11 @@ impl SpringLaw {
 }
 
 impl<T: PairScalar> CpuEngine<T> {
+    /// Whether there are hourglass springs.
+    pub(super) fn has_springs(&self) -> bool {
+        SpringLaw::of(&self.model).is_some()
+    }
+
     /// Adds the forces of the springs of some pairs of block `b`, as last evaluated, N.
     pub(super) fn add_hourglass_forces(&self, b: usize, rows: &Block, forces: &mut [Vector<f64>]) {
         if self.records.hourglass.is_empty() {
@@ -204,7 +209,7 @@ impl<T: PairScalar> CpuEngine<T> {
         if SpringLaw::of(&self.model).is_none() {
             return;
         }
-        self.pack_hourglass(rows);
+        self.pack_displacements(rows);
         let inner = &self.inner;
         let list = &self.lists.list;
         let springs = SpringSweep {
@@ -295,7 +300,7 @@ impl<T: PairScalar> CpuEngine<T> {
 
     /// Writes the data of particles and ghosts that the sum reads: velocities at which forces are evaluated,
     /// displacements and their gradients, springs; for particles with the first rows, for ghosts when they have arrived.
-    fn pack_hourglass(&mut self, rows: Rows) {
+    pub(super) fn pack_displacements(&mut self, rows: Rows) {
         if !(rows.is_first() || rows.is_last()) {
             return;
         }

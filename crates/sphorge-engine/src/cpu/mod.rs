@@ -36,6 +36,7 @@ mod renewal;
 mod search;
 mod section;
 mod self_contact;
+mod shocks;
 mod smoothing;
 mod stored;
 mod stress_columns;

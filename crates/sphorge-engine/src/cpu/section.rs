@@ -135,6 +135,7 @@ impl<T: PairScalar> CpuEngine<T> {
                         self.lists.stored.as_ref().map(|s| s.block(b).part(&crossing.block, &crossing.entries));
                     let mut forces = self.forces_of_rows(b, &crossing.block, stored.as_ref());
                     self.add_hourglass_forces(b, &crossing.block, &mut forces);
+                    self.add_shock_forces(b, &crossing.block, &mut forces);
                     for (k, force) in forces.iter().enumerate() {
                         let sign = if sides.ahead[b * BLOCK + k] >= 0.0 { -share } else { share };
                         add(&mut sum, sign, force);

@@ -7,7 +7,9 @@ use crate::neighbors::{BLOCK, PAD};
 use sphorge_physics::hyperelastic::{composed, minus_identity, neo_hookean_deviator};
 use sphorge_physics::pair::{PairForm, stress_scale};
 use sphorge_physics::return_mapping::elastic_margin;
-use sphorge_physics::viscosity::{ViscosityParameters, bulk_viscosity, bulk_viscous_power};
+use sphorge_physics::viscosity::{
+    ViscosityParameters, bulk_viscosity, bulk_viscous_power, damping_rate, shock_share,
+};
 use sphorge_physics::{Dimension, SymmetricTensor, Tensor, artificial_stress, stress};
 
 /// Input and output of the stress of a block of particles, a column for each quantity. Entries behind the last particle
@@ -36,6 +38,10 @@ pub(super) struct StressColumns {
     pub(super) integrity: [f64; BLOCK],
     /// Of viscous pressure that is borne; only where some material breaks.
     pub(super) share: [f64; BLOCK],
+    /// Of the viscosity that acts; only where it acts in shocks alone.
+    pub(super) shock_share: [f64; BLOCK],
+    /// Density at rest, kg/m³; only where viscosity acts in shocks alone.
+    pub(super) initial_density: [f64; BLOCK],
     pub(super) pressure: [f64; BLOCK],
     pub(super) sound_speed: [f64; BLOCK],
 }
@@ -56,6 +62,8 @@ impl StressColumns {
             integrity_before: zero,
             integrity: zero,
             share: zero,
+            shock_share: zero,
+            initial_density: zero,
             pressure: zero,
             sound_speed: zero,
         }
@@ -90,20 +98,39 @@ impl StressColumns {
     pub(super) fn viscous_power(
         &self,
         parameters: ViscosityParameters<f64>,
-        breaks: bool,
+        form: &StressForm,
         masses: &[f64],
         pressures: &mut [f64],
     ) -> f64 {
         let mut power = 0.0;
         for (k, (mass, pressure)) in masses.iter().zip(pressures).enumerate() {
             let (divergence, density) = (self.divergence[k], self.density[k]);
-            let share = if breaks { self.share[k] } else { 1.0 };
+            let share = if form.breaks { self.share[k] } else { 1.0 };
+            let share = if form.shocks.is_some() { share * self.shock_share[k] } else { share };
             let q =
                 share * bulk_viscosity(parameters, divergence, density, self.sound_speed[k], self.smoothing_length[k]);
             power += mass * bulk_viscous_power(0.5 * (*pressure + q), divergence, density);
             *pressure = q;
         }
         power
+    }
+
+    /// Finds the shares of the viscosity that act where it acts in shocks alone, and how fast it damps particles, 1/s. `inputs` have smoothing lengths at rest, the
+    /// columns compressed ones.
+    pub(super) fn find_shocks(
+        &mut self,
+        form: &StressForm,
+        parameters: ViscosityParameters<f64>,
+        inputs: &ElasticInputs<'_>,
+        rates: &mut [f64],
+    ) {
+        for (k, rate) in rates.iter_mut().enumerate() {
+            let (c, h, initial) = (self.sound_speed[k], self.smoothing_length[k], inputs.smoothing_length[k]);
+            let share = form.shocks.map_or(1.0, |_| shock_share(&inputs.velocity_gradient[k], c, h));
+            self.shock_share[k] = share;
+            let mu = h * (-self.divergence[k]).max(0.0);
+            *rate = damping_rate(parameters, form.shocks.unwrap_or(0.0), share, c, mu, h, initial);
+        }
     }
 
     /// Deviator of particle `k`.
@@ -217,6 +244,8 @@ pub(super) struct StressForm {
     pub(super) pair_form: PairForm,
     /// If viscosity is a pressure of the particle.
     pub(super) bulk_viscosity: Option<ViscosityParameters<f64>>,
+    /// Strength of the viscosity of shocks, if all viscosity acts in shocks alone.
+    pub(super) shocks: Option<f64>,
     /// Whether there is artificial stress.
     pub(super) artificial_stress: bool,
     /// Whether some material loses its integrity.
@@ -242,7 +271,10 @@ impl<T: PairScalar> Job<f64> for PackStress<'_, T> {
             if let Some(p) = form.bulk_viscosity {
                 let p = ViscosityParameters { alpha: L::splat(p.alpha), beta: L::splat(p.beta) };
                 let (divergence, h) = (L::load(&columns.divergence[k..]), L::load(&columns.smoothing_length[k..]));
-                let viscous = bulk_viscosity(p, divergence, density, sound_speed, h);
+                let mut viscous = bulk_viscosity(p, divergence, density, sound_speed, h);
+                if form.shocks.is_some() {
+                    viscous = viscous * L::load(&columns.shock_share[k..]);
+                }
                 pressure += if form.breaks { viscous * L::load(&columns.share[k..]) } else { viscous };
             }
             let mut deviator = [L::zero(); 6];
@@ -252,8 +284,16 @@ impl<T: PairScalar> Job<f64> for PackStress<'_, T> {
             let cauchy = SymmetricTensor::from_array(deviator) - SymmetricTensor::isotropic(pressure);
             let sigma = cauchy * stress_scale(form.pair_form, density);
             let [xx, yy, zz, xy, yz, xz] = sigma.to_array();
+            // Of the sound speed only viscosity of pairs has use, and of shocks as much as acts.
+            let last = match form.shocks {
+                None => sound_speed,
+                Some(_) => {
+                    let acts = sound_speed * L::load(&columns.initial_density[k..]) * L::load(&columns.shock_share[k..]);
+                    if form.breaks { acts * L::load(&columns.share[k..]) } else { acts }
+                }
+            };
             // In the order of the record from its stress on.
-            L::store_part([xx, yy, zz, xy, yz, xz, density, sound_speed], &mut records[k..], force::S);
+            L::store_part([xx, yy, zz, xy, yz, xz, density, last], &mut records[k..], force::S);
             if form.artificial_stress {
                 let r = artificial_stress::artificial_stress(sigma, L::load(&columns.repulsion[k..]), form.dimension);
                 let [xx, yy, zz, xy, yz, xz] = r.to_array();

@@ -85,6 +85,9 @@ pub struct Numerics {
     pub viscosity_alpha: f64,
     /// Quadratic artificial viscosity `beta`.
     pub viscosity_beta: f64,
+    /// Linear viscosity of shocks along the pairs of the total Lagrangian form, `alpha_s`. Where it is above zero, all viscosity of that form acts in shocks
+    /// alone; zero for none.
+    pub viscosity_of_shocks: f64,
     /// Balsara's switch on the viscosity.
     pub balsara: bool,
     /// Artificial stress, if any.

@@ -417,6 +417,9 @@ impl Planner<'_> {
                 if hourglass != 0.0 {
                     self.add(stage, in_dimension!(model, reference_forces::springs, model, through, stride));
                 }
+                if model.numerics.viscosity_of_shocks > 0.0 {
+                    self.add(stage, in_dimension!(model, reference_forces::shocks, model, through, stride));
+                }
             }
         }
         Ok(())

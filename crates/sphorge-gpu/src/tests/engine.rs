@@ -274,6 +274,13 @@ fn the_default_method_matches_the_cpu() {
 }
 
 #[test]
+fn viscosity_of_shocks_matches_the_cpu() {
+    let shocks = ("numerics.viscosity.shocks", "1.0");
+    compare(IRON.0, &[IRON.1[0], IRON.1[1], shocks], 5e-6, 1e-4);
+    compare("taylor-bar", &[("particles.spacing", "\"1.2 mm\""), shocks], 4e-6, 1e-4);
+}
+
+#[test]
 fn measures_are_taken_at_deformed_faces() {
     let [theirs, ours] = [&Cpu as &dyn EngineKind, &gpu()].map(|kind| {
         let mut simulation = start(kind, IRON.0, IRON.1);

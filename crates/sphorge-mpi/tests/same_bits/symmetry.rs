@@ -13,6 +13,18 @@ fn a_quarter_of_a_bar_of_the_default_method_on_a_plane_of_symmetry() {
     compare("copper-bar", &changes, &[1, 2, 3, 4, 5, 7]);
 }
 
+#[test]
+fn a_bar_in_which_viscosity_acts_in_shocks() {
+    let changes = [
+        ("particles.spacing", "\"0.635 mm\""),
+        ("time.end", "\"4 us\""),
+        ("output.frames", "2"),
+        ("output.history-interval", "\"1 us\""),
+        ("numerics.viscosity.shocks", "1.0"),
+    ];
+    compare("copper-bar", &changes, &[1, 2, 3, 5]);
+}
+
 /// A block in a corner between planes, struck along one of them, in the present configuration; the corner has images of images.
 pub(super) const CORNER: &str = r#"
 dimensions = "plane-strain"

@@ -55,6 +55,106 @@ fn behind_a_shock_is_the_state_of_the_hugoniot() {
     }
 }
 
+/// Viscosity that acts in shocks alone.
+const IN_SHOCKS: (&str, &str) = ("numerics.viscosity.shocks", "1.0");
+
+/// Impact of the fastest plates, m/s: with a constant Grüneisen parameter of two, shocks of more than 15.4 km/s compress by its limit of two.
+const FASTEST: f64 = 10000.0;
+
+#[test]
+fn viscosity_of_shocks_leaves_no_ringing_behind_them() {
+    for impact in [500.0, 2000.0, FASTEST] {
+        let velocity = format!("[\"{impact} m/s\"]");
+        let mut simulation = simulation(PLATES, &[("body.flyer.velocity", &velocity), IN_SHOCKS]);
+        let (jump, speed) = hugoniot(impact);
+        let pressure = 8930.0 * speed * jump;
+        // What starts at the faces is left out: twelve particles of each plate.
+        let mut highest = 0.0f64;
+        while simulation.time() < 9e-3 / speed {
+            simulation.step(Some(9e-3 / speed)).unwrap_or_else(|failure| panic!("{failure}"));
+            let p = simulation.particles().unwrap();
+            let far = (0..p.len()).filter(|&i| p.initial_position[i][0].abs() > 1.2e-3).map(|i| p.pressure[i]);
+            highest = far.fold(highest, f64::max);
+        }
+        assert!(highest < 1.1 * pressure, "{impact}: {highest} of {pressure}");
+        let (face, front) = (9e-3 * jump / speed, 9e-3);
+        let p = simulation.particles().unwrap();
+        let within = |share: f64| face + share * (front - face);
+        let behind: Vec<usize> =
+            (0..p.len()).filter(|&i| p.position[i][0] > within(0.35) && p.position[i][0] < within(0.75)).collect();
+        let mean = |of: &dyn Fn(usize) -> f64| behind.iter().map(|&i| of(i)).sum::<f64>() / behind.len() as f64;
+        let (found, energy) = (mean(&|i| p.pressure[i]), mean(&|i| p.energy[i]));
+        assert!((found / pressure - 1.0).abs() < 5e-3, "{impact}: {found} of {pressure}");
+        assert!((energy / (0.5 * jump * jump) - 1.0).abs() < 0.03, "{impact}: {energy}");
+    }
+}
+
+/// Two periods and a half of a wave of 20 particles, in a cell of one wavelength.
+const STANDING: &str = r#"
+dimensions = "1d"
+particles = { spacing = "1 mm" }
+numerics = { precision = "double" }
+time = { end = "1 s" }
+periodic = { x = ["0 mm", "20 mm"] }
+
+[material.metal]
+density = "2700 kg/m^3"
+young-modulus = "70 GPa"
+poisson-ratio = 0.33
+equation-of-state = "linear"
+strength = "elastic"
+
+[[body]]
+name = "bar"
+material = "metal"
+shape = { box = { min = ["0 mm"], max = ["20 mm"] } }
+velocity-profile = { along = "x", amplitude = ["5 m/s"], rows = [["0 mm", 0.0], ["2.5 mm", 0.7], ["5 mm", 1.0], ["7.5 mm", 0.7], ["10 mm", 0.0], ["12.5 mm", -0.7], ["15 mm", -1.0], ["17.5 mm", -0.7], ["20 mm", 0.0]] }
+"#;
+
+#[test]
+fn viscosity_of_shocks_does_not_act_in_waves() {
+    let run = |overrides: &[(&str, &str)]| {
+        let mut simulation = simulation(STANDING, overrides);
+        run_to(&mut simulation, 8e-6);
+        (simulation.ledger().unwrap().viscous_energy, simulation.particles().unwrap().velocity.clone())
+    };
+    let (viscous, velocities) = run(&[IN_SHOCKS]);
+    assert_eq!(viscous, 0.0);
+    assert_eq!(velocities, run(&[("numerics.viscosity", "false")]).1);
+    // Twenty times as fast the wave has the rates of a shock.
+    assert!(run(&[IN_SHOCKS, ("body.bar.velocity-profile.amplitude", "[\"100 m/s\"]")]).0 > 0.0);
+}
+
+/// A disc that turns, and is pressed together along one axis at a third of the sound speed from edge to edge.
+const PRESSED_DISC: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm", lattice = "square" }
+numerics = { precision = "double", viscosity = { shocks = 1.0 } }
+time = { end = "1 s" }
+
+[[body]]
+name = "disc"
+material = "armco-iron"
+shape = { disc = { centre = ["3 mm", "-5 mm"], radius = "10 mm" } }
+velocity-gradient = { rows = [["-1e5 1/s", "-3e4 1/s"], ["3e4 1/s", "0 1/s"]] }
+"#;
+
+#[test]
+fn viscosity_of_shocks_keeps_energy_momentum_and_angular_momentum() {
+    let mut simulation = simulation(PRESSED_DISC, &[]);
+    simulation.next_step_estimate().unwrap();
+    let first = simulation.ledger().unwrap().total;
+    run_to(&mut simulation, 1e-6);
+    let ledger = simulation.ledger().unwrap();
+    let now = ledger.total;
+    let energy = |of: sphorge::engine::Energies| of.kinetic + of.internal;
+    let drift = energy(now.energies) / energy(first.energies) - 1.0;
+    assert!(drift.abs() < 1e-12, "{drift:.1e}");
+    let turned = now.angular_momentum[2] / first.angular_momentum[2] - 1.0;
+    assert!(turned.abs() < 1e-12, "{turned:.1e}");
+    assert!(ledger.viscous_energy > 0.05 * first.energies.kinetic, "{}", ledger.viscous_energy);
+}
+
 #[test]
 fn springs_between_bodies_do_not_step_as_far_as_waves() {
     // At twice the usual step the integration of springs of facets that meet lost nearly all of the energy brought.

@@ -237,6 +237,7 @@ fn lanes_of_every_instruction_set_give_what_one_particle_at_a_time_does() {
     let plain = StressForm {
         pair_form: PairForm::VolumeWeighted,
         bulk_viscosity: None,
+        shocks: None,
         artificial_stress: true,
         breaks: false,
         dimension: Dimension::Three,
@@ -244,6 +245,7 @@ fn lanes_of_every_instruction_set_give_what_one_particle_at_a_time_does() {
     let scaled = StressForm { pair_form: PairForm::DensityWeighted, dimension: Dimension::Two, ..plain };
     let viscous = StressForm {
         bulk_viscosity: Some(ViscosityParameters { alpha: 0.5, beta: 2.0 }),
+        shocks: None,
         artificial_stress: false,
         ..plain
     };

@@ -29,6 +29,8 @@ pub(super) trait Formulation<T: PairScalar>: Sync {
     fn pair_viscosity(&self, model: &Model) -> Option<ViscosityParameters<f64>>;
     /// Viscosity as a pressure of the particle.
     fn bulk_viscosity(&self, model: &Model) -> Option<ViscosityParameters<f64>>;
+    /// Strength of the viscosity of shocks along pairs, if all viscosity acts in shocks alone.
+    fn viscosity_of_shocks(&self, model: &Model) -> Option<f64>;
 
     /// Packs the data of particles that the velocity gradient reads.
     fn pack_motion(&self, engine: &mut CpuEngine<T>);

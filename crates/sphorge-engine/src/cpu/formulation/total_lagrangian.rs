@@ -69,6 +69,10 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
         Some(ViscosityParameters { alpha: model.numerics.viscosity_alpha, beta: model.numerics.viscosity_beta })
     }
 
+    fn viscosity_of_shocks(&self, model: &Model) -> Option<f64> {
+        Some(model.numerics.viscosity_of_shocks).filter(|strength| *strength > 0.0)
+    }
+
     /// Velocities at initial positions, with initial volumes as weights.
     fn pack_motion(&self, engine: &mut CpuEngine<T>) {
         engine.make_records();
@@ -238,6 +242,7 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
 
     fn add_forces(&self, engine: &mut CpuEngine<T>, rows: Rows) {
         engine.resist_hourglass(rows);
+        engine.resist_shocks(rows);
         if let (true, Some(sums)) = (rows.is_last(), &engine.face_sums) {
             sums.share_power(&mut engine.particles.energy_rate);
         }

@@ -37,6 +37,10 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
         Some(ViscosityParameters { alpha: model.numerics.viscosity_alpha, beta: model.numerics.viscosity_beta })
     }
 
+    fn viscosity_of_shocks(&self, _: &Model) -> Option<f64> {
+        None
+    }
+
     fn bulk_viscosity(&self, _: &Model) -> Option<ViscosityParameters<f64>> {
         None
     }

@@ -62,6 +62,7 @@ pub(in crate::reduction) fn model(materials: Vec<Material>) -> Model {
             gradient_correction: Default::default(),
             viscosity_alpha: 1.0,
             viscosity_beta: 1.0,
+            viscosity_of_shocks: 0.0,
             balsara: false,
             artificial_stress: None,
             xsph: 0.0,

@@ -260,8 +260,15 @@ groups! {
     CorrectedStress: particles if corrects_current_gradients { stress: TensorColumns };
     /// Deformation gradient, and its low part.
     Deformation: particles if is_total_lagrangian { deformation: CompensatedTensor };
-    /// Smallest principal stretch, bulk viscosity of the last stress, Pa, and whether a stretch is beyond a bound.
-    Stretch: particles if is_total_lagrangian { smallest: Number, bulk_viscosity: Number, is_beyond: Number };
+    /// Smallest principal stretch, bulk viscosity of the last stress, Pa, whether a stretch is beyond a bound, and of the viscosity what damps pairs in shocks,
+    /// `chi c rho_0`, Pa s/m, and how fast all of it damps, 1/s.
+    Stretch: particles if is_total_lagrangian {
+        smallest: Number,
+        bulk_viscosity: Number,
+        is_beyond: Number,
+        impedance: Number,
+        damping_rate: Number,
+    };
     /// Hourglass springs: the least stretch at which the particle has yielded, zero where there are no springs, and of the
     /// last force sum the mean square of their misfit, and the stress of their moment, Pa.
     Springs: particles if is_total_lagrangian { least_stretch: Number, misfit: Number, moment: TensorColumns };
@@ -431,9 +438,9 @@ groups! {
 }
 
 handles! {
-    /// [`Group::Packed`] in the total Lagrangian form: the tensor whose sum is the force, and the stiffness of the
-    /// hourglass springs, Pa.
-    PulledBack, Group::Packed, tensor: TensorColumns, stiffness: Number
+    /// [`Group::Packed`] in the total Lagrangian form: the tensor whose sum is the force, the stiffness of the
+    /// hourglass springs, Pa, and the impedance in shocks, Pa s/m.
+    PulledBack, Group::Packed, tensor: TensorColumns, stiffness: Number, impedance: Number
 }
 
 handles! {

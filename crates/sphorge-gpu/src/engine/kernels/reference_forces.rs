@@ -9,8 +9,9 @@ use crate::record::{Double, Index, KernelFault, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_physics::hourglass::{Misfit, Spring, SpringSums};
 use sphorge_physics::pair::{ForceSums, PairForce, corrected_stress_vector, momentum_factor};
-use sphorge_physics::tensor::{multiply, plus};
+use sphorge_physics::tensor::{dot, multiply, plus};
 use sphorge_physics::total_lagrangian::force_tensor;
+use sphorge_physics::viscosity::{ShockSums, closing_rate, shock_push};
 use sphorge_physics::{Real, Tensor, Vector};
 
 /// Data of a neighbour that forces read: the tensor whose sum is the force, and its spring.
@@ -36,6 +37,9 @@ pub(in crate::engine) fn pull_back(
         };
         let tensor = force_tensor(packed.stress.get(i), &f, &more, &correction.get(i));
         pulled_back.tensor.set(i, &tensor);
+        if model.numerics.viscosity_of_shocks > 0.0 {
+            pulled_back.impedance.set(i, groups::Stretch::read(bind).impedance.get(i));
+        }
         if let Some(springs) = springs {
             let (plastic, constants) = (groups::Plastic::read(bind), groups::Constants::read(bind));
             let (yield_stress, plastic_strain) = (plastic.yield_stress.get(i), plastic.strain.high().get(i));
@@ -186,5 +190,63 @@ pub(in crate::engine) fn springs<const D: usize>(
         springs.misfit.set(i, sums.misfit2 * Recorded::of(1.0 / D as f64));
         let half = stiffness * Recorded::of(0.5);
         springs.moment.set(i, &sums.moment.map(|row| row.map(|m| half * m)));
+    })
+}
+
+/// Adds the viscosity of shocks along pairs to acceleration and energy rate, or to the force through a section.
+pub(in crate::engine) fn shocks<const D: usize>(
+    model: &Model,
+    through: Option<Through<'_>>,
+    count: usize,
+) -> Result<Recording, KernelFault> {
+    let numerics = &model.numerics;
+    recording(&Through::name(through, "shocks"), count, |bind, i| {
+        let near = (groups::Reference::read(bind), groups::Constants::read(bind));
+        let (place, evaluated) = (groups::Place::read(bind).position, groups::Evaluated::read(bind).velocity);
+        let packed = groups::PulledBack::read(bind);
+        // As of the springs.
+        let displacement = |k: Index| {
+            let (now, then) = (place.get(k), near.0.position.get(k));
+            let u = [0, 1, 2].map(|a| Double::new(now[a]) - Double::new(then[a]));
+            [u.map(|u| u.high), u.map(|u| u.low)]
+        };
+        let (u_i, v_i): (_, Vector<Recorded>) = (displacement(i), evaluated.get(i));
+        let own = packed.impedance.get(i);
+        let (zero, kernel) = (Recorded::zero(), numerics.kernel);
+        let strength = Recorded::of(numerics.viscosity_of_shocks);
+        let add = |state: [Recorded; 4], pair: &Pair, j: Index| {
+            let u_j = displacement(j).map(|part| pair.image.vector(part));
+            let x = [0, 1, 2].map(|a| pair.x[a] + ((u_i[0][a] - u_j[0][a]) + (u_i[1][a] - u_j[1][a])));
+            let v_j = pair.image.vector(evaluated.get(j));
+            let (mut v_dot_x, mut x2) = (zero, zero);
+            for a in 0..D {
+                v_dot_x += (v_i[a] - v_j[a]) * x[a];
+                x2 += x[a] * x[a];
+            }
+            let (q, inverse_q) = pair.scale.reduced_distance(dot(pair.x, pair.x));
+            let weight = -pair.scale.weighted(near.0.volume.high().get(j)).f(kernel.dw_over_q_by(q, inverse_q));
+            let closing = closing_rate(v_dot_x, x2, pair.scale.h);
+            let push = shock_push(strength, own, packed.impedance.get(j), pair.scale.h, closing);
+            let mut sums = ShockSums { acceleration: [state[0], state[1], state[2]], power: state[3] };
+            sums.add::<D>(&x, v_dot_x, push, weight);
+            [sums.acceleration[0], sums.acceleration[1], sums.acceleration[2], sums.power]
+        };
+        let factor = momentum_factor(numerics.pair_form, near.1.mass.get(i), near.0.volume.high().get(i));
+        if let Some(through) = through {
+            let crossing = Crossing::of(bind, model, through, i, place);
+            let sum = over_list::<_, D>(bind, model, i, near, [zero; 3], |sum: Vector<Recorded>, pair, j| {
+                crossing.add(sum, &pair.image, j, || add([zero; 4], pair, j), |sums| [sums[0], sums[1], sums[2]])
+            });
+            crossing.set(sum.map(|of| of * factor * near.1.mass.get(i)), true);
+            return;
+        }
+        let sums = over_list::<_, D>(bind, model, i, near, [zero; 4], add);
+        let (rates, energy) = (groups::Rates::write(bind), groups::Energy::write(bind));
+        for a in 0..3 {
+            rates.acceleration.axis(a).set(i, rates.acceleration.axis(a).get(i) + sums[a] * factor);
+        }
+        let power = sums[3] * factor;
+        energy.rate.set(i, energy.rate.get(i) + power);
+        energy.viscous_rate.set(i, power);
     })
 }

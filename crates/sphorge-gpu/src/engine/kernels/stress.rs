@@ -21,7 +21,9 @@ use sphorge_physics::pair::{mean, stress_scale};
 use sphorge_physics::return_mapping::{Returned, return_mapping_near};
 use sphorge_physics::stress::trial_deviator;
 use sphorge_physics::total_lagrangian::{LARGEST_STRETCH_OF_A_LIQUID, stretched};
-use sphorge_physics::viscosity::{ViscosityParameters, balsara, bulk_viscosity, bulk_viscous_power};
+use sphorge_physics::viscosity::{
+    ViscosityParameters, balsara, bulk_viscosity, bulk_viscous_power, damping_rate, shock_share,
+};
 use sphorge_physics::{Real, SymmetricTensor, Tensor};
 
 /// The stress of a step that is computed.
@@ -436,6 +438,20 @@ impl<'a> Point<'a> {
         };
         let (divergence, shortest) =
             (l[0][0] + l[1][1] + l[2][2], constants.smoothing_length.get(i) * stretch.smallest.get(i));
+        let initial = constants.smoothing_length.get(i);
+        let shocks = Recorded::of(numerics.viscosity_of_shocks);
+        let in_shocks = match numerics.viscosity_of_shocks > 0.0 {
+            true => shock_share(l, sound_speed, shortest),
+            false => Recorded::one(),
+        };
+        let mu = shortest * (-divergence).max(Recorded::zero());
+        let rate = damping_rate(parameters, shocks, in_shocks, sound_speed, mu, shortest, initial);
+        stretch.damping_rate.set(i, rate);
+        let share = share * in_shocks;
+        if numerics.viscosity_of_shocks > 0.0 {
+            let at_rest = constants.mass.get(i) / groups::Reference::read(bind).volume.high().get(i);
+            stretch.impedance.set(i, share * sound_speed * at_rest);
+        }
         let q = share * bulk_viscosity(parameters, divergence, rho, sound_speed, shortest);
         let power = bulk_viscous_power(mean(stretch.bulk_viscosity.get(i), q), divergence, rho);
         accounts.viscous.add(i, constants.mass.get(i) * self.dt * power);

@@ -31,6 +31,7 @@ const RESTORED: (&str, &str) = ("numerics.mls-interval", "3");
 const OF_ENERGY: (&str, &str) = ("numerics.temperature", "energy");
 const FOLLOW: (&str, &str) = ("numerics.smoothing-length", "follow-density");
 
+const IN_SHOCKS: (&str, &str) = ("numerics.viscosity.shocks", "1.0");
 const TOTAL: (&str, &str) = ("search", "total-lagrangian");
 /// Overlap in the total Lagrangian form is not in the oracle.
 const AT_FACETS: (&str, &str) = ("contact", "{ penalty = { surfaces = \"facets\" } }");
@@ -178,6 +179,7 @@ pub(super) const PRESS: &[Case] = &[
     case("walls and motion, predictor-corrector", WALLS, &[PREDICTOR], 40),
     // Rounding grows tenfold every ten steps here: 7e-14, 5e-13, 7e-12 and 6e-11 after 10, 20, 30 and 40.
     case("walls and motion, total lagrangian", WALLS, &[TOTAL], 30),
+    case("walls and motion, shocks", WALLS, &[TOTAL, IN_SHOCKS], 30),
 ];
 
 /// A block thrown into a corner of symmetry planes, with another one on top of it.
@@ -634,6 +636,7 @@ pub(super) const PRESSED: &[Case] = &[
         40,
     ),
     case("total lagrangian, heat", STRUCK, &[], 40),
+    case("total lagrangian, shocks", STRUCK, &[IN_SHOCKS], 40),
     case("total lagrangian, renewed", STRUCK, &[RENEWED], 40),
     case("total lagrangian, temperature of energy", STRUCK, &[OF_ENERGY, ("numerics.kernel", "wendland-c2")], 40),
 ];
