@@ -366,7 +366,8 @@ impl Oracle {
                 };
                 let q = acts * bulk_viscosity(self.viscosity(), divergence, rho, c, h);
                 self.impedance[i] = acts * c * self.p.mass[i] / self.initial_volume[i];
-                let (linear, quadratic) = (numerics.viscosity_alpha * c, numerics.viscosity_beta * h * (-divergence).max(0.0));
+                let (linear, quadratic) =
+                    (numerics.viscosity_alpha * c, numerics.viscosity_beta * h * (-divergence).max(0.0));
                 let pairs = 2.4 * numerics.viscosity_of_shocks * c / self.p.smoothing_length[i];
                 let share = if numerics.viscosity_of_shocks > 0.0 { self.share_in_shocks(i, h) } else { 1.0 };
                 self.damping_rate[i] = share * (0.6 * (linear + 2.0 * quadratic) / h + pairs);
@@ -569,7 +570,7 @@ impl Oracle {
         if trace >= 0.0 {
             return 0.0;
         }
-        ((-h * trace / c - 0.001) / 0.002).clamp(0.0, 1.0) * (trace * trace / square).min(1.0).powi(2)
+        ((-h * trace / c - 0.001) / 0.002).clamp(0.0, 1.0) * ((trace * trace / square - 0.5) / 0.4).clamp(0.0, 1.0)
     }
 
     /// Viscosity of shocks along pairs at their places now, `V_i V_j w_ij alpha max(z_i, z_j) h max(0, -v.x)/x^2 x`; half of the heat to each.

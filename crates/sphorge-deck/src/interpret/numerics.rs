@@ -123,7 +123,11 @@ fn viscosity(raw: &RawNumerics, usual: &Choices, problems: &mut Problems) -> Opt
         None => return Some((default_alpha, default_beta, false, default_shocks)),
         Some(ScalarOr::Scalar(flag)) => {
             let on = flag.get(problems)?;
-            return Some(if on { (default_alpha, default_beta, false, default_shocks) } else { (0.0, 0.0, false, 0.0) });
+            return Some(if on {
+                (default_alpha, default_beta, false, default_shocks)
+            } else {
+                (0.0, 0.0, false, 0.0)
+            });
         }
         Some(ScalarOr::Composed(table, _)) => table,
     };
@@ -132,7 +136,8 @@ fn viscosity(raw: &RawNumerics, usual: &Choices, problems: &mut Problems) -> Opt
     let balsara = or_default!(table.balsara, false, |b: &crate::value::Flag| b.get(problems));
     // Constants that are given are meant for all motion.
     let default_shocks = if table.alpha.is_none() && table.beta.is_none() { default_shocks } else { 0.0 };
-    let shocks = or_default!(table.shocks, default_shocks, |s: &Given<Number>| s.within(Bound::Between(0.0, MOST_VISCOSITY_OF_SHOCKS), problems));
+    let shocks = or_default!(table.shocks, default_shocks, |s: &Given<Number>| s
+        .within(Bound::Between(0.0, MOST_VISCOSITY_OF_SHOCKS), problems));
     Some((alpha?, beta?, balsara?, shocks?))
 }
 

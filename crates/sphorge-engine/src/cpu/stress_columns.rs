@@ -7,9 +7,7 @@ use crate::neighbors::{BLOCK, PAD};
 use sphorge_physics::hyperelastic::{composed, minus_identity, neo_hookean_deviator};
 use sphorge_physics::pair::{PairForm, stress_scale};
 use sphorge_physics::return_mapping::elastic_margin;
-use sphorge_physics::viscosity::{
-    ViscosityParameters, bulk_viscosity, bulk_viscous_power, damping_rate, shock_share,
-};
+use sphorge_physics::viscosity::{ViscosityParameters, bulk_viscosity, bulk_viscous_power, damping_rate, shock_share};
 use sphorge_physics::{Dimension, SymmetricTensor, Tensor, artificial_stress, stress};
 
 /// Input and output of the stress of a block of particles, a column for each quantity. Entries behind the last particle
@@ -288,7 +286,8 @@ impl<T: PairScalar> Job<f64> for PackStress<'_, T> {
             let last = match form.shocks {
                 None => sound_speed,
                 Some(_) => {
-                    let acts = sound_speed * L::load(&columns.initial_density[k..]) * L::load(&columns.shock_share[k..]);
+                    let acts =
+                        sound_speed * L::load(&columns.initial_density[k..]) * L::load(&columns.shock_share[k..]);
                     if form.breaks { acts * L::load(&columns.share[k..]) } else { acts }
                 }
             };

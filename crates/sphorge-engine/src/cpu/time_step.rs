@@ -74,7 +74,8 @@ fn limits_of_block(model: &Model, p: &Particles, instructions: Instructions, b: 
     }
     let mut limits = (f64::INFINITY, f64::INFINITY);
     run(instructions, LimitJob { columns: &columns, courant: model.time.courant, limits: &mut limits });
-    let damped = p.damping_rate.get(b * BLOCK..b * BLOCK + count).unwrap_or(&[]).iter().fold(0.0, |a: f64, b| a.max(*b));
+    let damped =
+        p.damping_rate.get(b * BLOCK..b * BLOCK + count).unwrap_or(&[]).iter().fold(0.0, |a: f64, b| a.max(*b));
     (limits.0.min(1.0 / damped), limits.1)
 }
 
