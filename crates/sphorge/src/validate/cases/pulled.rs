@@ -324,11 +324,11 @@ fn beside_the_law(run: &Run, metal: &Metal, plane: bool, section: f64) -> Option
     let first = upper.first()? - lower.first()?;
     let rows: Vec<_> = (0..time.len()).map(|k| (time[k], (upper[k] - lower[k]) / first)).collect();
     let law = metal.pull(plane, &rows);
-    let off: Vec<f64> = law.iter().zip(&force).map(|(law, force)| force / (law.0 * section) - 1.0).collect();
+    let off: Vec<f64> = law.iter().zip(force).map(|(law, force)| force / (law.0 * section) - 1.0).collect();
     let (half, end) = (0.5 * ROUND_TRIP, *time.last()?);
     let mean = |at: f64| {
         let near: Vec<f64> =
-            off.iter().zip(&time).filter(|(_, t)| (*t - at).abs() <= half).map(|(off, _)| *off).collect();
+            off.iter().zip(time).filter(|(_, t)| (*t - at).abs() <= half).map(|(off, _)| *off).collect();
         near.iter().sum::<f64>() / near.len() as f64
     };
     let whole = (0..rows.len()).filter(|&k| rows[k].1 > 1.0 + QUIET && time[k] + half <= end);
