@@ -133,8 +133,13 @@ def shown(block, name, decks):
         return f"{name}{gap}{value * UNITS[unit] + ZERO.get(unit, 0.0):.5g} {unit}".rstrip()
 
     steps = f"{deck['steps']:,}".replace(",", " ")
+    def work(match):
+        # At the speed that stands below it.
+        seconds = float(match["seconds"]) * deck["steps"] / int(match["steps"].replace(" ", ""))
+        return f"x {steps} steps in {seconds:.1f} s"
+
     block = MEASURE.sub(measure, block)
-    block = re.sub(r"x \d[\d ]* steps", f"x {steps} steps", block)
+    block = re.sub(r"x (?P<steps>\d[\d ]*) steps in (?P<seconds>[\d.]+) s", work, block)
     return re.sub(r"^(100 %.* step )\d[\d ]*(?=,)", rf"\g<1>{steps}", block, flags=re.M)
 
 

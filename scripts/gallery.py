@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Makes the gallery: a page of every shipped deck with picture, animation, deck, time and command.
 
-    python3 scripts/gallery.py PROGRAM RUNS [--finished] [--only NAME...] [--coarser NAME=FACTOR...] [--page FILE.md]
+    python3 scripts/gallery.py PROGRAM RUNS [--finished] [--numbers] [--only NAME...] [--coarser NAME=FACTOR...] [--page FILE.md]
 
 PROGRAM is the program `sphorge`. RUNS is a folder with a folder for each deck, such as `check_decks.py --keep` makes: a run that has ended is taken as it is,
 also one of another spacing, which the page tells; one that is missing is made with one thread, at a spacing that is coarser by a factor if --coarser says
-so, unless --finished is given. With --only, the page keeps what it has of the other decks.
+so, unless --finished is given. With --only, the page keeps what it has of the other decks; with --numbers it keeps
+pictures, too, and the time of a step: for a machine that does something else meanwhile.
 
 The page is docs/guide/gallery.md, its pictures are docs/images/gallery/NAME.webp and NAME-moving.webp. Wants the Python package Pillow, which writes WebP:
 animated PNG files of the same pictures are more than twice as large.
@@ -89,10 +90,12 @@ def chosen(run: Path) -> list[int]:
     return sorted({round(k * (count - 1) / max(kept - 1, 1)) for k in range(kept)})
 
 
-def draw(program: Path, run: Path, name: str, images: Path) -> tuple[str, list[str]]:
-    """Draws the last frame and an animation; what they show."""
+def draw(program: Path, run: Path, name: str, images: Path | None) -> tuple[str, list[str]]:
+    """Draws the last frame and an animation, if there is a folder for them; what they show."""
     first = next((run / "fields").glob("000000.*vtp")).read_bytes()[:20000].decode("latin-1")
     field, options = ABOUT.get(name, (next((one for one in FIELDS if f'Name="{one}"' in first), "velocity"), []))
+    if images is None:
+        return field, options
     with tempfile.TemporaryDirectory() as folder:
         still, moving = Path(folder) / "still.png", Path(folder) / "moving.png"
         shared = ["--field", field, *options, "--width", f"{PIXELS} px"]
@@ -125,7 +128,7 @@ def grouped(number: int) -> str:
     return f"{number:,}".replace(",", "\u00a0") if number >= 10_000 else str(number)
 
 
-def section(program: Path, run: Path, name: str, text: str, images: Path) -> str:
+def section(program: Path, run: Path, name: str, text: str, images: Path | None) -> str:
     """What the page says of a deck."""
     summary = json.loads((run / "summary.json").read_text(encoding="utf-8"))
     own, shipped = spacings((run / "deck.toml").read_text(encoding="utf-8")), spacings(text)
@@ -165,6 +168,14 @@ def section(program: Path, run: Path, name: str, text: str, images: Path) -> str
     return "\n".join(lines)
 
 
+def with_time_of(old: str, new: str) -> str:
+    """The new section with the time that its steps take at the speed of the old one."""
+    cost = r"([\d\u00a0]+) steps, ([\d.e+]+) s;"
+    (steps, seconds), (now, _) = re.search(cost, old).groups(), re.search(cost, new).groups()
+    time = float(seconds) / int(steps.replace("\u00a0", "")) * int(now.replace("\u00a0", ""))
+    return re.sub(cost, f"{now} steps, {seconds if steps == now else f'{time:.3g}'} s;", new)
+
+
 def machine() -> str:
     model = next((line.split(":", 1)[1].strip() for line in open("/proc/cpuinfo", encoding="utf-8") if line.startswith("model name")), "an unnamed processor")
     return f"{model}, {os.cpu_count()} cores, which other programs used, too"
@@ -175,6 +186,7 @@ def main() -> None:
     parser.add_argument("program", type=Path)
     parser.add_argument("runs", type=Path)
     parser.add_argument("--finished", action="store_true")
+    parser.add_argument("--numbers", action="store_true")
     parser.add_argument("--only", nargs="+", default=[])
     parser.add_argument("--coarser", nargs="+", default=[], metavar="NAME=FACTOR")
     parser.add_argument("--page", type=Path, default=ROOT / "docs/guide/gallery.md")
@@ -199,7 +211,8 @@ def main() -> None:
                 continue
             setting = ["--set", f'particles.spacing="{coarser(spacings(text)[0], factors[name])}"'] if name in factors else []
             call(given.program, "run", name, "-o", run, "--overwrite", "--quiet", "--threads", "1", *setting)
-        kept[name] = section(given.program, run, name, text, images)
+        new = section(given.program, run, name, text, None if given.numbers else images)
+        kept[name] = with_time_of(kept[name], new) if given.numbers and name in kept else new
         print(f"{name}: {sum(file.stat().st_size for file in images.glob(f'{name}*.webp') if file.stem in (name, f'{name}-moving')) / 1e3:.0f} kB", flush=True)
     shown = [name for name in names if name in kept]
     head = [

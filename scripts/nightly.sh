@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # What takes too long for every change, or draws at random: run whole before a release and after a change of numerics, on an idle machine.
 #
-#     scripts/nightly.sh [cuda|vulkan|mutations|attacks|fuzz|decks|validate]...     all of them without a name, some hours on two cores
+#     scripts/nightly.sh [cuda|vulkan|mutations|attacks|fuzz|decks|guide|validate]...     all of them without a name, some hours on two cores
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-jobs=(cuda vulkan mutations attacks fuzz decks validate)
+jobs=(cuda vulkan mutations attacks fuzz decks guide validate)
 for job in "$@"; do
     if [[ " ${jobs[*]} " != *" $job "* ]]; then
         echo "no job \`$job\`: there are ${jobs[*]}" >&2
@@ -37,6 +37,8 @@ for job in "${jobs[@]}"; do
         fuzz) scripts/fuzz.sh 300 ;;
         # Inputs that differ in their last bits, and what is shipped as it is shipped.
         decks) python3 scripts/check_last_bits.py $sphorge && python3 scripts/check_decks.py $sphorge ;;
+        # What the pages show, against what their commands print and compute.
+        guide) python3 scripts/guide_runs.py $sphorge ;;
         validate) $sphorge validate --resume -o target/nightly/validate ;;
     esac
 done
