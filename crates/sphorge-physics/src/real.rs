@@ -3,6 +3,32 @@
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
+/// [`Elementary::if_lt`] without closures: `branch!(T, a, b, then, otherwise)` is `then` where `a < b`, else `otherwise`.
+macro_rules! branch {
+    ($number:ty, $a:expr, $b:expr, $then:expr, $otherwise:expr) => {{
+        let mut branch = <$number as $crate::real::Elementary>::branch($a, $b);
+        let taken = if $crate::real::Branch::takes(&mut branch) { Some($then) } else { None };
+        let passed = if $crate::real::Branch::passes(&mut branch) { Some($otherwise) } else { None };
+        $crate::real::Branch::join(branch, taken, passed)
+    }};
+}
+pub(crate) use branch;
+
+/// [`Elementary::iterate`] without closures: `iterate!(T, start, |state| (next, again))`.
+macro_rules! iterate {
+    ($number:ty, $start:expr, |$state:ident| $step:expr) => {{
+        let mut iteration = <$number as $crate::real::Elementary>::iteration($start);
+        loop {
+            let $state = $crate::real::Iteration::state(&mut iteration);
+            let (next, again) = $step;
+            if !$crate::real::Iteration::goes_on(&mut iteration, next, again) {
+                break $crate::real::Iteration::end(iteration);
+            }
+        }
+    }};
+}
+pub(crate) use iterate;
+
 /// Arithmetic shared by one number and by a SIMD vector: no comparison, choices are made by [`Real::select_lt`].
 pub trait Real:
     Copy
@@ -72,9 +98,15 @@ pub trait Real:
     }
 }
 
-/// One number of a particle, in memory or on a graphics card: elementary functions, and branches and iterations that are operations as
-/// well, so that a law is written down for a card by running it once on numbers that record what is done with them.
+/// One number of a particle, in memory or on a graphics card, or a SIMD vector of them: elementary functions, and branches and iterations
+/// that are operations as well, so that a law is written down for a card by running it once on numbers that record what is done with
+/// them, and so that the lanes of a vector can branch apart.
 pub trait Elementary: Real {
+    /// A branch under way.
+    type Branch: Branch<Self>;
+    /// An iteration under way.
+    type Iteration<S: Numbers<Self>>: Iteration<Self, S>;
+
     /// Natural logarithm.
     fn ln(self) -> Self;
     /// Exponential.
@@ -87,10 +119,85 @@ pub trait Elementary: Real {
     fn epsilon() -> Self;
     /// The largest finite number.
     fn largest() -> Self;
-    /// What `then` makes where `a < b`, what `otherwise` makes elsewhere: only one of them is evaluated.
-    fn if_lt<R: Numbers<Self>>(a: Self, b: Self, then: impl FnOnce() -> R, otherwise: impl FnOnce() -> R) -> R;
-    /// Takes a state through `step` until it returns a second number that is not positive, once at least.
-    fn iterate<S: Numbers<Self>>(start: S, step: impl Fn(S) -> (S, Self)) -> S;
+    /// A branch that is taken where `a < b`; see `branch!`.
+    fn branch(a: Self, b: Self) -> Self::Branch;
+    /// An iteration from a state on; see `iterate!`.
+    fn iteration<S: Numbers<Self>>(start: S) -> Self::Iteration<S>;
+    /// What `then` makes where `a < b`, what `otherwise` makes elsewhere. Of one number only one of them is evaluated; of a SIMD vector
+    /// both are where its lanes differ. What laws do on SIMD vectors is written with `branch!` instead: closures are not compiled for the
+    /// instructions in use.
+    #[inline(always)]
+    fn if_lt<R: Numbers<Self>>(a: Self, b: Self, then: impl FnOnce() -> R, otherwise: impl FnOnce() -> R) -> R {
+        branch!(Self, a, b, then(), otherwise())
+    }
+    /// Takes a state through `step` until it returns a second number that is not positive, once at least. Lanes of a SIMD vector that have
+    /// come to their end keep their state while others go on. On SIMD vectors `iterate!` is used, as for branches.
+    #[inline(always)]
+    fn iterate<S: Numbers<Self>>(start: S, step: impl Fn(S) -> (S, Self)) -> S {
+        iterate!(Self, start, |state| step(state))
+    }
+}
+
+/// A branch under way: both sides are asked for in turn, and made where they are to be.
+pub trait Branch<T: Real> {
+    /// Whether to make what holds where the branch is taken.
+    fn takes(&mut self) -> bool;
+    /// Whether to make what holds elsewhere.
+    fn passes(&mut self) -> bool;
+    /// What was made of both.
+    fn join<R: Numbers<T>>(self, taken: Option<R>, passed: Option<R>) -> R;
+}
+
+/// An iteration under way.
+pub trait Iteration<T: Real, S: Numbers<T>> {
+    /// Before a step.
+    fn state(&mut self) -> S;
+    /// Whether another step follows the one that led to `next`, with `again` positive where it should.
+    fn goes_on(&mut self, next: S, again: T) -> bool;
+    /// After the last step.
+    fn end(self) -> S;
+}
+
+/// Whether a branch on one number in memory is taken.
+#[derive(Clone, Copy, Debug)]
+pub struct Taken(bool);
+
+impl<T: Scalar> Branch<T> for Taken {
+    #[inline(always)]
+    fn takes(&mut self) -> bool {
+        self.0
+    }
+    #[inline(always)]
+    fn passes(&mut self) -> bool {
+        !self.0
+    }
+    #[inline(always)]
+    fn join<R: Numbers<T>>(self, taken: Option<R>, passed: Option<R>) -> R {
+        match (taken, passed) {
+            (Some(made), _) | (None, Some(made)) => made,
+            (None, None) => unreachable!("a branch is taken or passed"),
+        }
+    }
+}
+
+/// The state of an iteration on one number in memory.
+#[derive(Clone, Copy, Debug)]
+pub struct Stepped<S>(S);
+
+impl<T: Scalar, S: Numbers<T>> Iteration<T, S> for Stepped<S> {
+    #[inline(always)]
+    fn state(&mut self) -> S {
+        self.0
+    }
+    #[inline(always)]
+    fn goes_on(&mut self, next: S, again: T) -> bool {
+        self.0 = next;
+        again > T::zero()
+    }
+    #[inline(always)]
+    fn end(self) -> S {
+        self.0
+    }
 }
 
 /// One number in memory: it can be compared, and shown.
@@ -102,15 +209,37 @@ pub trait Scalar: Elementary + PartialOrd + Default {
 }
 
 /// What is made of numbers, so that a branch or an iteration can yield it.
-pub trait Numbers<T>: Copy {
+pub trait Numbers<T: Real>: Copy {
     /// Visits every number, always in the same order.
     fn each(&mut self, visit: &mut dyn FnMut(&mut T));
+    /// [`Real::select_lt`] of every number. What laws make on SIMD vectors does so without [`Numbers::each`], which is not compiled for
+    /// the instructions in use.
+    #[inline(always)]
+    fn choose_lt(a: T, b: T, then: Self, otherwise: Self) -> Self {
+        let mut selected = then;
+        let mut place = 0;
+        selected.each(&mut |number| {
+            let (mut others, mut at) = (otherwise, 0);
+            others.each(&mut |other| {
+                if at == place {
+                    *number = T::select_lt(a, b, *number, *other);
+                }
+                at += 1;
+            });
+            place += 1;
+        });
+        selected
+    }
 }
 
 impl<T: Real> Numbers<T> for T {
     #[inline(always)]
     fn each(&mut self, visit: &mut dyn FnMut(&mut T)) {
         visit(self);
+    }
+    #[inline(always)]
+    fn choose_lt(a: T, b: T, then: T, otherwise: T) -> T {
+        T::select_lt(a, b, then, otherwise)
     }
 }
 
@@ -120,6 +249,14 @@ impl<T: Real, N: Numbers<T>, const COUNT: usize> Numbers<T> for [N; COUNT] {
         for part in self {
             part.each(visit);
         }
+    }
+    #[inline(always)]
+    fn choose_lt(a: T, b: T, then: Self, otherwise: Self) -> Self {
+        let mut selected = then;
+        for k in 0..COUNT {
+            selected[k] = N::choose_lt(a, b, then[k], otherwise[k]);
+        }
+        selected
     }
 }
 
@@ -168,6 +305,9 @@ macro_rules! scalar {
             }
         }
         impl Elementary for $t {
+            type Branch = Taken;
+            type Iteration<S: Numbers<Self>> = Stepped<S>;
+
             #[cfg(feature = "std")]
             #[inline(always)]
             fn ln(self) -> Self {
@@ -217,20 +357,12 @@ macro_rules! scalar {
                 $t::MAX
             }
             #[inline(always)]
-            fn if_lt<R: Numbers<Self>>(a: Self, b: Self, then: impl FnOnce() -> R, otherwise: impl FnOnce() -> R) -> R {
-                if a < b { then() } else { otherwise() }
+            fn branch(a: Self, b: Self) -> Taken {
+                Taken(a < b)
             }
             #[inline(always)]
-            fn iterate<S: Numbers<Self>>(start: S, step: impl Fn(S) -> (S, Self)) -> S {
-                let mut state = start;
-                loop {
-                    let (next, again) = step(state);
-                    state = next;
-                    if again > 0.0 {
-                        continue;
-                    }
-                    return state;
-                }
+            fn iteration<S: Numbers<Self>>(start: S) -> Stepped<S> {
+                Stepped(start)
             }
         }
         impl Scalar for $t {

@@ -14,6 +14,7 @@
 //! Units: stress Pa, time s, temperature K, work J/m^3.
 
 use crate::flow::{FlowLaw, FlowState, FlowStep, YieldStress};
+use crate::real::{branch, iterate};
 use crate::{Elementary, Numbers, Real, SymmetricTensor};
 
 /// How a stress beyond yield is brought back.
@@ -65,6 +66,21 @@ impl<T: Real> Numbers<T> for Returned<T> {
         let Self { deviator, plastic_strain_increment, yield_stress, plastic_work, iterations } = self;
         deviator.each(visit);
         [plastic_strain_increment, yield_stress, plastic_work, iterations].into_iter().for_each(visit);
+    }
+    #[inline(always)]
+    fn choose_lt(a: T, b: T, then: Self, otherwise: Self) -> Self {
+        Self {
+            deviator: Numbers::choose_lt(a, b, then.deviator, otherwise.deviator),
+            plastic_strain_increment: T::select_lt(
+                a,
+                b,
+                then.plastic_strain_increment,
+                otherwise.plastic_strain_increment,
+            ),
+            yield_stress: T::select_lt(a, b, then.yield_stress, otherwise.yield_stress),
+            plastic_work: T::select_lt(a, b, then.plastic_work, otherwise.plastic_work),
+            iterations: T::select_lt(a, b, then.iterations, otherwise.iterations),
+        }
     }
 }
 
@@ -118,7 +134,7 @@ fn target<T: Elementary>(rule: ReturnRule, y: YieldStress<T>, inverse_dt: T, sig
 /// it for a predictor commits nothing. A law without strength gives a zero deviator; zero yield stress (melt) is returned to
 /// exactly zero; stress never ends above yield but by round-off; a stress on the yield surface of a law without rate stays where
 /// it is.
-#[inline]
+#[inline(always)]
 pub fn return_mapping<T: Elementary>(
     rule: ReturnRule,
     law: &FlowLaw<T>,
@@ -133,7 +149,7 @@ pub fn return_mapping<T: Elementary>(
 
 /// The same, searched from `guess`, such as the plastic strain increment of the step before: any value gives the same result to
 /// round-off, a near one sooner.
-#[inline]
+#[inline(always)]
 pub fn return_mapping_near<T: Elementary>(
     rule: ReturnRule,
     law: &FlowLaw<T>,
@@ -162,8 +178,13 @@ pub fn return_mapping_near<T: Elementary>(
         let sigma_trial = equivalent_stress(trial);
         // A few units of round-off, so that a stress just returned counts as elastic.
         let elastic = start.value * (T::one() + T::of(8.0) * T::epsilon());
-        let flow = || plastic_return(rule, law, shear_modulus, trial, sigma_trial, start, state, history, dt, guess);
-        returned = T::if_lt(elastic, sigma_trial, flow, || returned);
+        returned = branch!(
+            T,
+            elastic,
+            sigma_trial,
+            plastic_return(rule, law, shear_modulus, trial, sigma_trial, start, state, history, dt, guess),
+            returned
+        );
     }
     returned
 }
@@ -181,15 +202,14 @@ pub fn elastic_margin<T: Real>(trial: SymmetricTensor<T>, yield_stress: T) -> T 
 #[inline(always)]
 fn equivalent_stress<T: Elementary>(deviator: SymmetricTensor<T>) -> T {
     let stress = deviator.von_mises();
-    let scaled = || {
+    branch!(T, stress, T::largest(), stress, {
         let c = deviator.to_array();
         let mut largest = c[0].abs();
         for k in 1..6 {
             largest = largest.max(c[k].abs());
         }
         (deviator * (T::one() / largest)).von_mises() * largest
-    };
-    T::if_lt(stress, T::largest(), || stress, scaled)
+    })
 }
 
 /// Where the increment is known to be, and what was found there.
@@ -211,8 +231,20 @@ impl<T: Real> Numbers<T> for Bracket<T> {
         y.each(visit);
         [low, high, increment, stress, iterations].into_iter().for_each(visit);
     }
+    #[inline(always)]
+    fn choose_lt(a: T, b: T, then: Self, otherwise: Self) -> Self {
+        Self {
+            low: T::select_lt(a, b, then.low, otherwise.low),
+            high: T::select_lt(a, b, then.high, otherwise.high),
+            increment: T::select_lt(a, b, then.increment, otherwise.increment),
+            y: Numbers::choose_lt(a, b, then.y, otherwise.y),
+            stress: T::select_lt(a, b, then.stress, otherwise.stress),
+            iterations: T::select_lt(a, b, then.iterations, otherwise.iterations),
+        }
+    }
 }
 
+#[inline(always)]
 fn plastic_return<T: Elementary>(
     rule: ReturnRule,
     law: &FlowLaw<T>,
@@ -240,7 +272,7 @@ fn plastic_return<T: Elementary>(
     let increment = T::select_lt(zero, three_g, guess, zero);
 
     let first = Bracket { low: zero, high, increment, y: start, stress: start.value, iterations: zero };
-    let Bracket { increment, y, stress, iterations, .. } = T::iterate(first, |bracket| {
+    let Bracket { increment, y, stress, iterations, .. } = iterate!(T, first, |bracket| {
         let Bracket { low, high, increment, .. } = bracket;
         let iterations = bracket.iterations + one;
         let there = FlowState {

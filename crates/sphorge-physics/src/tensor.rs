@@ -39,6 +39,10 @@ impl<T: Real> Numbers<T> for SymmetricTensor<T> {
         let Self { xx, yy, zz, xy, yz, xz } = self;
         [xx, yy, zz, xy, yz, xz].into_iter().for_each(visit);
     }
+    #[inline(always)]
+    fn choose_lt(a: T, b: T, then: Self, otherwise: Self) -> Self {
+        Self::from_array(Numbers::choose_lt(a, b, then.to_array(), otherwise.to_array()))
+    }
 }
 
 impl<T: Real> SymmetricTensor<T> {

@@ -14,6 +14,7 @@ mod face_sums;
 mod faces;
 mod facets;
 mod facets_on_walls;
+mod flow;
 mod forces;
 mod formulation;
 mod ghosts;

@@ -16,7 +16,7 @@ use sphorge_physics::{Dimension, SymmetricTensor, Tensor, artificial_stress, str
 /// are undefined.
 pub(super) struct StressColumns {
     /// Deviator after the step, Pa.
-    deviator: [[f64; BLOCK]; 6],
+    pub(super) deviator: [[f64; BLOCK]; 6],
     /// Of the velocity, 1/s.
     divergence: [f64; BLOCK],
     /// Of the elastic step and of the return, Pa.

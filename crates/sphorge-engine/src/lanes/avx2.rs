@@ -1,6 +1,7 @@
 //! SIMD vectors in 256-bit registers with fused multiply–add.
 #![expect(clippy::undocumented_unsafe_blocks, reason = "one comment says why all of them are sound")]
 
+use super::elementary::{Doubles, elementary_of_doubles, elementary_of_singles, halves};
 use super::{Lanes, compress_each, each_lane, gather_entries};
 use sphorge_physics::Real;
 use std::arch::x86_64::*;
@@ -144,6 +145,38 @@ arithmetic!(
     _mm256_blendv_pd,
     _mm256_movemask_pd
 );
+
+elementary_of_singles!(F32x8);
+elementary_of_doubles!(F64x4);
+
+/// The bits of `2^52`: with a small whole number in their last places they are those of the sum.
+const TWO_TO_52: i64 = 0x4330_0000_0000_0000;
+
+impl Doubles for F64x4 {
+    #[inline(always)]
+    fn mantissa_and_exponent(self) -> [Self; 2] {
+        unsafe {
+            let bits = _mm256_castpd_si256(self.0);
+            let biased = _mm256_or_si256(_mm256_srli_epi64::<52>(bits), _mm256_set1_epi64x(TWO_TO_52));
+            let exponent = Self(_mm256_castsi256_pd(biased)) - Self::of(4_503_599_627_370_496.0 + 1023.0);
+            let digits = _mm256_and_si256(bits, _mm256_set1_epi64x(0x000f_ffff_ffff_ffff));
+            let mantissa = _mm256_or_si256(digits, _mm256_set1_epi64x(0x3ff0_0000_0000_0000));
+            [Self(_mm256_castsi256_pd(mantissa)), exponent]
+        }
+    }
+    #[inline(always)]
+    fn times_power_of_two(self, exponent: Self) -> Self {
+        let [first, second] = halves(exponent);
+        self * power_of_two(first) * power_of_two(second)
+    }
+}
+
+/// `2^exponent` for whole exponents from -1022 to 1023.
+#[inline(always)]
+fn power_of_two(exponent: F64x4) -> F64x4 {
+    let biased = exponent + F64x4::of(4_503_599_627_370_496.0 + 1023.0);
+    F64x4(unsafe { _mm256_castsi256_pd(_mm256_slli_epi64::<52>(_mm256_castpd_si256(biased.0))) })
+}
 
 /// Transposes eight rows of eight singles.
 #[inline(always)]

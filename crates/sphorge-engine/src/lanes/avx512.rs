@@ -2,6 +2,7 @@
 #![expect(clippy::undocumented_unsafe_blocks, reason = "one comment says why all of them are sound")]
 
 use super::avx2::{F32x8, F64x4};
+use super::elementary::{Doubles, elementary_of_doubles, elementary_of_singles};
 use super::{Lanes, PairScalar, compress_each, each_lane, gather_entries};
 use sphorge_physics::Real;
 use std::arch::x86_64::*;
@@ -151,6 +152,21 @@ arithmetic!(
     _mm512_mask_blend_pd,
     |x: F64x8| F64x8::one() / x.sqrt()
 );
+
+elementary_of_singles!(F32x16);
+elementary_of_doubles!(F64x8);
+
+impl Doubles for F64x8 {
+    #[inline(always)]
+    fn mantissa_and_exponent(self) -> [Self; 2] {
+        let mantissa = unsafe { _mm512_getmant_pd::<_MM_MANT_NORM_1_2, _MM_MANT_SIGN_ZERO>(self.0) };
+        [Self(mantissa), Self(unsafe { _mm512_getexp_pd(self.0) })]
+    }
+    #[inline(always)]
+    fn times_power_of_two(self, exponent: Self) -> Self {
+        Self(unsafe { _mm512_scalef_pd(self.0, exponent.0) })
+    }
+}
 
 /// Transposes eight rows of eight singles, two such blocks side by side (low and high 256 bits).
 #[inline(always)]

@@ -7,13 +7,15 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod dispatch;
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+mod elementary;
 #[cfg(target_arch = "aarch64")]
 mod neon;
 
 pub(crate) use dispatch::{Instructions, Job, run};
 
 use bytemuck::Pod;
-use sphorge_physics::{Real, Scalar};
+use sphorge_physics::{Elementary, Real, Scalar};
 
 /// Element type of pair arithmetic: `f64`, or `f32` with positions in fixed point.
 pub(crate) trait PairScalar: Scalar + Pod + Lanes<Element = Self> {
@@ -84,7 +86,7 @@ pub(crate) trait PairScalar: Scalar + Pod + Lanes<Element = Self> {
 ///
 /// SIMD vectors wider than one use instructions the processor may lack: values of such types are only made inside functions that
 /// [`multiversion`] enters after it has checked.
-pub(crate) trait Lanes: Real {
+pub(crate) trait Lanes: Elementary {
     /// One lane.
     type Element: PairScalar;
     /// Number of lanes; divides [`crate::neighbors::PAD`].

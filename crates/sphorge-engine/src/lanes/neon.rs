@@ -1,6 +1,7 @@
 //! SIMD vectors in the 128-bit registers every 64-bit ARM processor has.
 #![expect(clippy::undocumented_unsafe_blocks, reason = "one comment says why all of them are sound")]
 
+use super::elementary::{Doubles, elementary_of_doubles, elementary_of_singles, halves};
 use super::{Lanes, each_lane, gather_entries};
 use sphorge_physics::Real;
 use std::arch::aarch64::*;
@@ -185,6 +186,38 @@ static PACKED: [[u8; 16]; 16] = {
 fn pack(mask: u32, lanes: uint32x4_t) -> uint32x4_t {
     let order = &PACKED[(mask & 15) as usize];
     unsafe { vreinterpretq_u32_u8(vqtbl1q_u8(vreinterpretq_u8_u32(lanes), vld1q_u8(order.as_ptr()))) }
+}
+
+elementary_of_singles!(F32x4);
+elementary_of_doubles!(F64x2);
+
+/// The bits of `2^52`: with a small whole number in their last places they are those of the sum.
+const TWO_TO_52: u64 = 0x4330_0000_0000_0000;
+
+impl Doubles for F64x2 {
+    #[inline(always)]
+    fn mantissa_and_exponent(self) -> [Self; 2] {
+        unsafe {
+            let bits = vreinterpretq_u64_f64(self.0);
+            let biased = vorrq_u64(vshrq_n_u64::<52>(bits), vdupq_n_u64(TWO_TO_52));
+            let exponent = Self(vreinterpretq_f64_u64(biased)) - Self::of(4_503_599_627_370_496.0 + 1023.0);
+            let digits = vandq_u64(bits, vdupq_n_u64(0x000f_ffff_ffff_ffff));
+            let mantissa = vorrq_u64(digits, vdupq_n_u64(0x3ff0_0000_0000_0000));
+            [Self(vreinterpretq_f64_u64(mantissa)), exponent]
+        }
+    }
+    #[inline(always)]
+    fn times_power_of_two(self, exponent: Self) -> Self {
+        let [first, second] = halves(exponent);
+        self * power_of_two(first) * power_of_two(second)
+    }
+}
+
+/// `2^exponent` for whole exponents from -1022 to 1023.
+#[inline(always)]
+fn power_of_two(exponent: F64x2) -> F64x2 {
+    let biased = exponent + F64x2::of(4_503_599_627_370_496.0 + 1023.0);
+    F64x2(unsafe { vreinterpretq_f64_u64(vshlq_n_u64::<52>(vreinterpretq_u64_f64(biased.0))) })
 }
 
 impl Lanes for F32x4 {

@@ -105,6 +105,7 @@ impl Material {
     }
 
     /// Elastic moduli of whole material with a shear modulus (Pa) of now.
+    #[inline(always)]
     pub fn moduli<T: Real>(&self, shear: T) -> Moduli<T> {
         let sound_speed = self.equation_of_state.reference_sound_speed();
         Moduli { young: young_modulus(T::of(self.density * sound_speed * sound_speed), shear), shear }
@@ -129,7 +130,7 @@ impl Material {
     }
 
     /// Energy of the density on the isotherm ([`Self::cold_energies`]), J/kg, at an integrity: damaged material bears a share of its tension.
-    #[inline]
+    #[inline(always)]
     pub fn cold_energy<T: Elementary>(&self, energies: &ColdEnergy<T>, density: T, integrity: T) -> T {
         let Some(damage) = self.damage else { return energies.at(density, integrity) };
         let whole = energies.at(density, T::one());

@@ -1,7 +1,9 @@
 //! Numbers of a GPU with what single precision leaves of them: some 48 bits.
 
 use super::Recorded;
+use super::number::{RecordedBranch, RecordedIteration};
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use sphorge_physics::real::{Branch, Iteration};
 use sphorge_physics::{Elementary, Numbers, Real};
 
 /// A number and the rest of it, for laws whose result is small beside what it comes of, such as the pressure of a density: T. J. Dekker, Numerische
@@ -180,6 +182,9 @@ impl<N: Numbers<Double>> Numbers<Recorded> for Parts<N> {
 
 /// Elementary functions are those of the first number, with the slope for what the second adds: good to single precision.
 impl Elementary for Double {
+    type Branch = DoubleBranch;
+    type Iteration<S: Numbers<Self>> = DoubleIteration<S>;
+
     fn ln(self) -> Self {
         sum(self.high.ln(), self.low / self.high)
     }
@@ -204,16 +209,41 @@ impl Elementary for Double {
     fn largest() -> Self {
         Recorded::largest().into()
     }
-    fn if_lt<R: Numbers<Self>>(a: Self, b: Self, then: impl FnOnce() -> R, otherwise: impl FnOnce() -> R) -> R {
-        let left = (a - b).high;
-        Recorded::if_lt(left, Recorded::zero(), || Parts(then()), || Parts(otherwise())).0
+    fn branch(a: Self, b: Self) -> DoubleBranch {
+        DoubleBranch(Recorded::branch((a - b).high, Recorded::zero()))
     }
-    fn iterate<S: Numbers<Self>>(start: S, step: impl Fn(S) -> (S, Self)) -> S {
-        let step = |Parts(state): Parts<S>| {
-            let (next, again) = step(state);
-            (Parts(next), again.high)
-        };
-        Recorded::iterate(Parts(start), step).0
+    fn iteration<S: Numbers<Self>>(start: S) -> DoubleIteration<S> {
+        DoubleIteration(Recorded::iteration(Parts(start)))
+    }
+}
+
+/// A branch on pairs of numbers that is being recorded.
+pub struct DoubleBranch(RecordedBranch);
+
+impl Branch<Double> for DoubleBranch {
+    fn takes(&mut self) -> bool {
+        self.0.takes()
+    }
+    fn passes(&mut self) -> bool {
+        self.0.passes()
+    }
+    fn join<R: Numbers<Double>>(self, taken: Option<R>, passed: Option<R>) -> R {
+        self.0.join(taken.map(Parts), passed.map(Parts)).0
+    }
+}
+
+/// An iteration on pairs of numbers that is being recorded.
+pub struct DoubleIteration<S>(RecordedIteration<Parts<S>>);
+
+impl<S: Numbers<Double>> Iteration<Double, S> for DoubleIteration<S> {
+    fn state(&mut self) -> S {
+        self.0.state().0
+    }
+    fn goes_on(&mut self, next: S, again: Double) -> bool {
+        self.0.goes_on(Parts(next), again.high)
+    }
+    fn end(self) -> S {
+        self.0.end().0
     }
 }
 

@@ -1,8 +1,9 @@
 //! A number that remembers how it came about.
 
 use super::operation::{Binary, Operation, Statement, Unary, Value};
-use super::recorder::{nested, with};
+use super::recorder::{begin, end, with};
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use sphorge_physics::real::{Branch, Iteration};
 use sphorge_physics::{Elementary, Numbers, Real};
 
 /// A number in single precision of a kernel that is being recorded.
@@ -129,6 +130,9 @@ impl Real for Recorded {
 }
 
 impl Elementary for Recorded {
+    type Branch = RecordedBranch;
+    type Iteration<S: Numbers<Self>> = RecordedIteration<S>;
+
     fn ln(self) -> Self {
         unary(Unary::Logarithm, self)
     }
@@ -147,17 +151,55 @@ impl Elementary for Recorded {
     fn largest() -> Self {
         Self::of(f64::from(f32::MAX))
     }
-    fn if_lt<R: Numbers<Self>>(a: Self, b: Self, then: impl FnOnce() -> R, otherwise: impl FnOnce() -> R) -> R {
-        if let Some((a, b)) = constants(a, b) {
-            return if a < b { then() } else { otherwise() };
+    fn branch(a: Self, b: Self) -> RecordedBranch {
+        let known = constants(a, b).map(|(a, b)| a < b);
+        RecordedBranch { a, b, known, taken: Vec::new() }
+    }
+    fn iteration<S: Numbers<Self>>(start: S) -> RecordedIteration<S> {
+        let mut state = start;
+        let variables = declare(&mut state);
+        begin();
+        RecordedIteration { state, variables }
+    }
+}
+
+/// A branch that is being recorded, or one that is known while recording.
+pub struct RecordedBranch {
+    a: Recorded,
+    b: Recorded,
+    /// Whether it is taken.
+    known: Option<bool>,
+    /// What is done where it is taken.
+    taken: Vec<Statement>,
+}
+
+impl Branch<Recorded> for RecordedBranch {
+    fn takes(&mut self) -> bool {
+        if self.known.is_none() {
+            begin();
         }
-        let (mut result, mut then) = nested(then);
-        let (mut other, mut otherwise) = nested(otherwise);
+        self.known.unwrap_or(true)
+    }
+    fn passes(&mut self) -> bool {
+        if self.known.is_none() {
+            self.taken = end();
+            begin();
+        }
+        !self.known.unwrap_or(false)
+    }
+    fn join<R: Numbers<Recorded>>(self, taken: Option<R>, passed: Option<R>) -> R {
+        let Self { a, b, taken: mut then, .. } = self;
+        let (mut result, mut other) = match (taken, passed) {
+            (Some(result), Some(other)) => (result, other),
+            (Some(known), None) | (None, Some(known)) => return known,
+            (None, None) => unreachable!("a branch is taken or passed"),
+        };
+        let mut otherwise = end();
         let others = numbers(&mut other);
         let mut others = others.into_iter();
         let mut changes = Vec::new();
         result.each(&mut |number| {
-            // The same closure type made both, so there are as many.
+            // Of the same type, so there are as many.
             let other = others.next().unwrap_or(number.0);
             if other != number.0 {
                 let variable = with(|recorder| {
@@ -175,23 +217,33 @@ impl Elementary for Recorded {
         result.each(&mut |number| {
             let changed = others.next().is_some_and(|other| other != number.0);
             if let Some(variable) = changed.then(|| changes.next()).flatten() {
-                *number = Self(with(|recorder| recorder.read(variable)));
+                *number = Recorded(with(|recorder| recorder.read(variable)));
             }
         });
         result
     }
-    fn iterate<S: Numbers<Self>>(start: S, step: impl Fn(S) -> (S, Self)) -> S {
-        let mut state = start;
-        let variables = declare(&mut state);
-        let (again, body) = nested(|| {
-            read(&mut state, &variables);
-            let (mut next, again) = step(state);
-            assign(&mut next, &variables);
-            again
-        });
+}
+
+/// An iteration that is being recorded: its step is, once.
+pub struct RecordedIteration<S> {
+    state: S,
+    variables: Vec<u32>,
+}
+
+impl<S: Numbers<Recorded>> Iteration<Recorded, S> for RecordedIteration<S> {
+    fn state(&mut self) -> S {
+        read(&mut self.state, &self.variables);
+        self.state
+    }
+    fn goes_on(&mut self, mut next: S, again: Recorded) -> bool {
+        assign(&mut next, &self.variables);
+        let body = end();
         with(|recorder| recorder.push(Statement::Loop { body, again: again.0 }));
-        read(&mut state, &variables);
-        state
+        false
+    }
+    fn end(mut self) -> S {
+        read(&mut self.state, &self.variables);
+        self.state
     }
 }
 

@@ -51,10 +51,19 @@ pub(super) fn with<R>(ask: impl FnOnce(&mut Recorder) -> R) -> R {
 
 /// Records what `body` does as a block of its own.
 pub(super) fn nested<R>(body: impl FnOnce() -> R) -> (R, Vec<Statement>) {
-    with(|recorder| recorder.scopes.push(Block::default()));
+    begin();
     let result = body();
-    let block = with(|recorder| recorder.scopes.pop()).unwrap_or_default();
-    (result, block.statements)
+    (result, end())
+}
+
+/// Records what follows as a block of its own.
+pub(super) fn begin() {
+    with(|recorder| recorder.scopes.push(Block::default()));
+}
+
+/// Ends the innermost block.
+pub(super) fn end() -> Vec<Statement> {
+    with(|recorder| recorder.scopes.pop()).unwrap_or_default().statements
 }
 
 impl Recorder {

@@ -2,6 +2,7 @@
 
 use super::{DamageGrowth, DamageState, over_failure_strain};
 use crate::parameter::{Bound, Parameter, PhysicalQuantity};
+use crate::real::branch;
 use crate::{Elementary, Scalar};
 
 /// `dD = deps_p/eps_f`, `eps_f = (D1 + D2 exp(D3 eta)) (1 + D4 ln(rate/rate_0)) (1 + D5 T*)`, `T* = (T - T_0)/(T_m - T_0)` between 0 and 1
@@ -41,8 +42,8 @@ impl<T: Elementary> JohnsonCookDamage<T> {
         let [d1, d2, d3, d4, d5] = self.d;
         let one = T::one();
         let of_stress = d1 + d2 * (d3 * state.triaxiality).exp();
-        let fast = || one + d4 * (state.rate / self.reference_rate).ln();
-        let of_rate = T::if_lt(self.reference_rate, state.rate, fast, || one);
+        let of_rate =
+            branch!(T, self.reference_rate, state.rate, one + d4 * (state.rate / self.reference_rate).ln(), one);
         let range = self.melting_temperature - self.reference_temperature;
         let warmth = ((state.temperature - self.reference_temperature) / range).max(T::zero()).min(one);
         of_stress * of_rate * (one + d5 * warmth)

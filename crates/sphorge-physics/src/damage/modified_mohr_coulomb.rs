@@ -2,6 +2,7 @@
 
 use super::{DamageGrowth, DamageState};
 use crate::parameter::{Bound, Parameter, PhysicalQuantity};
+use crate::real::branch;
 use crate::{Elementary, Real, Scalar};
 
 /// `dD = deps_p/eps_f` with the failure strain of Bai & Wierzbicki of triaxiality `eta` and normalised Lode angle `theta_n`:
@@ -84,6 +85,6 @@ impl<T: Elementary> DamageGrowth<T> for ModifiedMohrCoulomb<T> {
         let of_lode = self.shear + T::of(OF_SECANT) * (T::one() - self.shear) * (secant - T::one());
         let of_planes = root * cosine + c1 * (state.triaxiality + T::of(1.0 / 3.0) * sine);
         let base = self.strength * of_lode * of_planes;
-        T::if_lt(T::zero(), base, || base.powf(T::one() / self.exponent), T::zero)
+        branch!(T, T::zero(), base, base.powf(T::one() / self.exponent), T::zero())
     }
 }

@@ -94,6 +94,22 @@ impl<T: Real> ColdEnergy<T> {
 const FARTHEST_DOUBLINGS: u32 = 8;
 
 impl ColdEnergy<f64> {
+    /// The same in another precision, or with every constant in all lanes of a SIMD vector.
+    #[expect(clippy::manual_map, reason = "a closure is not compiled for the instructions in use")]
+    #[inline(always)]
+    pub fn cast<U: Real>(&self) -> ColdEnergy<U> {
+        ColdEnergy {
+            law: self.law.cast(),
+            reference_temperature: U::of(self.reference_temperature),
+            specific_heat: U::of(self.specific_heat),
+            rest: U::of(self.rest),
+            to_cut_off: match self.to_cut_off {
+                Some(fall) => Some(U::of(fall)),
+                None => None,
+            },
+        }
+    }
+
     /// Specific internal energy, J/kg, of whole material without stored plastic work at a density (kg/m³) and a temperature (K).
     pub fn of_temperature(&self, density: f64, temperature: f64) -> f64 {
         self.at(density, 1.0) + self.specific_heat * (temperature - self.reference_temperature)
@@ -139,9 +155,12 @@ impl ColdEnergy<f64> {
 
 impl<T: Elementary> ColdEnergy<T> {
     /// Of a density, kg/m³, and an integrity; J/kg.
-    #[inline]
+    #[inline(always)]
     pub fn at(&self, density: T, integrity: T) -> T {
-        let solid = self.to_cut_off.map_or(density, |fall| density.max(self.rest - integrity * fall));
+        let solid = match self.to_cut_off {
+            Some(fall) => density.max(self.rest - integrity * fall),
+            None => density,
+        };
         self.law.cold_energy(solid, self.reference_temperature, self.specific_heat)
     }
 }

@@ -41,7 +41,7 @@ impl<T: Real, L: GruneisenForm<Number = T>> PressureLaw for L {
 
     /// `de/drho = p/rho^2 = f/rho^2 + Gamma e/rho` is linear in `e`; with `x = rho/rho_0`, `u = ln x`,
     /// `e_s = x^Gamma / rho_0 int_0^ln(x) f(rho_0 exp u) exp(-(Gamma + 1) u) du`, done with six Gauss points.
-    #[inline]
+    #[inline(always)]
     fn isentropic_energy(&self, density: T) -> T
     where
         T: Elementary,
@@ -62,7 +62,7 @@ impl<T: Real, L: GruneisenForm<Number = T>> PressureLaw for L {
 
     /// `e_cold = e_s(rho) - c_p T_0 [(rho/rho_0)^Gamma - 1]` with the isentrope `e_s`: compression at constant entropy heats to
     /// `T = T_0 (rho/rho_0)^Gamma`, as a constant Grüneisen parameter demands.
-    #[inline]
+    #[inline(always)]
     fn cold_energy(&self, density: T, reference_temperature: T, specific_heat: T) -> T
     where
         T: Elementary,

@@ -95,7 +95,7 @@ pub trait PressureLaw: EquationConstants {
     fn gruneisen(&self, density: Self::Number, energy: Self::Number) -> Self::Number;
 
     /// Specific energy on the isentrope through the reference state, J/kg: `de/drho = p(rho, e)/rho^2`, `e(rho_0) = 0`.
-    #[inline]
+    #[inline(always)]
     fn isentropic_energy(&self, density: Self::Number) -> Self::Number
     where
         Self::Number: Elementary,
@@ -105,7 +105,7 @@ pub trait PressureLaw: EquationConstants {
 
     /// Specific energy on the isotherm of the reference temperature (K), J/kg, zero at `rho_0`, so that
     /// `T = T_0 + (e - e_cold) / c_p`: `de/drho = p(rho, e)/rho^2 - T_0 Gamma c_p/rho`.
-    #[inline]
+    #[inline(always)]
     fn cold_energy(
         &self,
         density: Self::Number,
@@ -217,14 +217,14 @@ macro_rules! equations_of_state {
 
         impl<T: Elementary> EquationOfState<T> {
             /// Specific energy on the isentrope through the reference state, J/kg: `de/drho = p(rho, e)/rho^2`, `e(rho_0) = 0`.
-            #[inline]
+            #[inline(always)]
             pub fn isentropic_energy(&self, density: T) -> T {
                 match self { $(Self::$law(law) => law.isentropic_energy(density),)* }
             }
 
             /// Specific energy on the isotherm of the reference temperature (K), J/kg, zero at `rho_0`, so that
             /// `T = T_0 + (e - e_cold) / c_p`.
-            #[inline]
+            #[inline(always)]
             pub fn cold_energy(&self, density: T, reference_temperature: T, specific_heat: T) -> T {
                 match self { $(Self::$law(law) => law.cold_energy(density, reference_temperature, specific_heat),)* }
             }

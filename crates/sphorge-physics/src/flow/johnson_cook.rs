@@ -3,6 +3,7 @@
 use super::strain_power::strain_power;
 use super::{FlowState, YieldLaw, YieldStress};
 use crate::parameter::{Bound, Parameter, PhysicalQuantity};
+use crate::real::branch;
 use crate::{Elementary, Scalar};
 
 /// `Y = (A + B eps_p^n) (1 + C ln(rate/rate_0)) (1 - T*^m)`, `T* = (T - T_0)/(T_m - T_0)` clamped to [0, 1]
@@ -57,20 +58,30 @@ impl<T: Elementary> JohnsonCook<T> {
     /// `1 - T*^m`.
     #[inline(always)]
     fn thermal_factor(&self, temperature: T) -> T {
-        let warm = || {
-            let range = self.melting_temperature - self.reference_temperature;
-            let t = ((temperature - self.reference_temperature) / range).min(T::one());
-            T::one() - t.powf(self.softening_exponent)
-        };
-        T::if_lt(self.reference_temperature, temperature, warm, T::one)
+        branch!(
+            T,
+            self.reference_temperature,
+            temperature,
+            {
+                let range = self.melting_temperature - self.reference_temperature;
+                let t = ((temperature - self.reference_temperature) / range).min(T::one());
+                T::one() - t.powf(self.softening_exponent)
+            },
+            T::one()
+        )
     }
 
     /// Yield stress in a state where the rate raises it by `rate_factor`, which has the slope `rate_slope` (s).
     #[inline(always)]
     pub(super) fn at_rate_factor(&self, state: FlowState<T>, [rate_factor, rate_slope]: [T; 2]) -> YieldStress<T> {
         // Powers and the logarithm are skipped where they are known: most particles are cold, slow or unstrained.
-        let hardens = || <[T; 2]>::from(strain_power(state.plastic_strain, self.exponent));
-        let [power, power_slope] = T::if_lt(T::zero(), self.hardening, hardens, || [T::zero(); 2]);
+        let [power, power_slope] = branch!(
+            T,
+            T::zero(),
+            self.hardening,
+            <[T; 2]>::from(strain_power(state.plastic_strain, self.exponent)),
+            [T::zero(); 2]
+        );
         let hardened = self.yield_stress + self.hardening * power;
         let hardening_slope = self.hardening * power_slope;
 
@@ -151,12 +162,17 @@ impl<T: Elementary> YieldLaw<T> for JohnsonCook<T> {
 
     #[inline(always)]
     fn yield_stress(&self, state: FlowState<T>, _history: &[T]) -> YieldStress<T> {
-        let fast = || {
-            let logarithm = (state.plastic_strain_rate / self.reference_rate).ln();
-            [T::one() + self.rate_sensitivity * logarithm, self.rate_sensitivity / state.plastic_strain_rate]
-        };
-        let slow = || [T::one(), T::zero()];
-        self.at_rate_factor(state, T::if_lt(self.reference_rate, state.plastic_strain_rate, fast, slow))
+        let by_rate = branch!(
+            T,
+            self.reference_rate,
+            state.plastic_strain_rate,
+            {
+                let logarithm = (state.plastic_strain_rate / self.reference_rate).ln();
+                [T::one() + self.rate_sensitivity * logarithm, self.rate_sensitivity / state.plastic_strain_rate]
+            },
+            [T::one(), T::zero()]
+        );
+        self.at_rate_factor(state, by_rate)
     }
 
     #[inline(always)]

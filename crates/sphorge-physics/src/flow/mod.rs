@@ -97,6 +97,14 @@ impl<T: Real> Numbers<T> for YieldStress<T> {
         let Self { value, by_strain, by_rate } = self;
         [value, by_strain, by_rate].into_iter().for_each(visit);
     }
+    #[inline(always)]
+    fn choose_lt(a: T, b: T, then: Self, otherwise: Self) -> Self {
+        Self {
+            value: T::select_lt(a, b, then.value, otherwise.value),
+            by_strain: T::select_lt(a, b, then.by_strain, otherwise.by_strain),
+            by_rate: T::select_lt(a, b, then.by_rate, otherwise.by_rate),
+        }
+    }
 }
 
 /// What a flow law has to give.

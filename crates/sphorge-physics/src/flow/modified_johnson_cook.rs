@@ -2,6 +2,7 @@
 
 use super::{FlowState, JohnsonCook, YieldLaw, YieldStress};
 use crate::parameter::{Bound, Parameter, PhysicalQuantity};
+use crate::real::branch;
 use crate::{Elementary, Scalar};
 
 /// `Y = (A + B eps_p^n) (1 + rate/rate_0)^C (1 - T*^m)`, `T* = (T - T_0)/(T_m - T_0)` clamped to [0, 1] (Børvik, Hopperstad,
@@ -68,13 +69,18 @@ impl<T: Elementary> YieldLaw<T> for ModifiedJohnsonCook<T> {
     fn yield_stress(&self, state: FlowState<T>, _history: &[T]) -> YieldStress<T> {
         let JohnsonCook { rate_sensitivity: exponent, reference_rate, .. } = self.constants;
         let rate = state.plastic_strain_rate;
-        let flows = || {
-            let factor = (T::one() + rate / reference_rate).powf(exponent);
-            [factor, exponent * factor / (reference_rate + rate)]
-        };
-        // At no rate the slope is that of flow about to begin.
-        let rests = || [T::one(), exponent / reference_rate];
-        self.constants.at_rate_factor(state, T::if_lt(T::zero(), rate, flows, rests))
+        let by_rate = branch!(
+            T,
+            T::zero(),
+            rate,
+            {
+                let factor = (T::one() + rate / reference_rate).powf(exponent);
+                [factor, exponent * factor / (reference_rate + rate)]
+            },
+            // At no rate the slope is that of flow about to begin.
+            [T::one(), exponent / reference_rate]
+        );
+        self.constants.at_rate_factor(state, by_rate)
     }
 
     #[inline(always)]

@@ -1,9 +1,13 @@
 use super::*;
+use crate::cpu::flow::Places;
+use crate::lanes::Instructions;
 use sphorge_physics::artificial_stress::artificial_stress;
+use sphorge_physics::damage::{AfterFailure, DAMAGE_LAWS, Damage, Softening};
 use sphorge_physics::eos::{EQUATIONS_OF_STATE, PressureState};
-use sphorge_physics::flow::FLOW_LAWS;
-use sphorge_physics::integrity::Borne;
-use sphorge_physics::return_mapping::ReturnRule;
+use sphorge_physics::flow::{FLOW_LAWS, FlowLaw};
+use sphorge_physics::integrity::{Borne, smeared_width};
+use sphorge_physics::parameter::LawEntry;
+use sphorge_physics::return_mapping::{ReturnRule, return_mapping_near};
 use sphorge_physics::viscosity::{ViscosityParameters, bulk_viscosity};
 use sphorge_physics::{Dimension, Tensor, tensor};
 
@@ -187,7 +191,8 @@ fn compare(instructions: Instructions, mixed: bool, only_flow_heats: bool, form:
         } else {
             let integrity = (before, borne.integrity);
             let mut flow = FlowColumns::new((ep, dep, y, wp, t, &mut empty));
-            flow.commit(0, &update, (m, &cold), g, source, p.density, p.energy, integrity);
+            let at = Places::of::<f64>(&[0]);
+            flow.commit(&at, &update, (m, &cold), g, source, p.density, p.energy, integrity);
             y[0] = if borne.integrity > 0.0 { y[0] * (borne.integrity / before) } else { 0.0 };
         }
         for (c, name) in ["strain", "increment", "yield stress", "work", "temperature"].into_iter().enumerate() {
@@ -312,4 +317,131 @@ fn a_body_that_spins_turns_its_stress_and_an_empty_block_is_none() {
         dt: DT,
     };
     assert_eq!(columns.take_elastic_step(step.instructions, &materials, &nothing), 0);
+}
+
+/// Every flow law that yields, and Johnson & Cook's with every law of damage.
+fn laws_on_lanes() -> Vec<Material> {
+    const STRENGTHS: [(&str, &[f64]); 7] = [
+        ("perfectly-plastic", &[350.0e6]),
+        ("bilinear", &[350.0e6, 120.0e9, 2.0e9]),
+        ("johnson-cook", &JOHNSON_COOK),
+        ("modified-johnson-cook", &JOHNSON_COOK),
+        ("zerilli-armstrong-bcc", &[65.0e6, 1033.0e6, 0.00698, 0.000415, 266.0e6, 0.289, 1e-3]),
+        ("zerilli-armstrong-fcc", &[65.0e6, 890.0e6, 0.0028, 0.000115, 1e-3]),
+        ("steinberg-guinan", &STEINBERG_GUINAN),
+    ];
+    const DAMAGES: [(&str, &[f64]); 7] = [
+        ("failure-strain", &[0.2]),
+        ("johnson-cook", &[0.05, 0.2, -1.5, 0.014, 1.12, 1.0, 298.0, 1356.0]),
+        ("hancock-mackenzie", &[0.5, 1.5]),
+        ("cockcroft-latham", &[60.0e6]),
+        ("normalised-cockcroft-latham", &[0.2]),
+        ("modified-mohr-coulomb", &[500.0e6, 0.2, 0.05, 290.0e6, 0.9]),
+        ("principal-stress", &[300.0e6]),
+    ];
+    let yields = |entry: &&LawEntry<FlowLaw<f64>>| !["none", "elastic", "neo-hookean"].contains(&entry.key);
+    assert_eq!(FLOW_LAWS.iter().filter(yields).map(|e| e.key).collect::<Vec<_>>(), STRENGTHS.map(|(key, _)| key));
+    assert_eq!(DAMAGE_LAWS.iter().map(|e| e.key).collect::<Vec<_>>(), DAMAGES.map(|(key, _)| key));
+    let mut materials: Vec<_> =
+        STRENGTHS.iter().map(|law| material(("mie-gruneisen", &COPPER), *law, 46.0e9, f64::INFINITY)).collect();
+    for (key, constants) in DAMAGES {
+        let entry = DAMAGE_LAWS.iter().find(|entry| entry.key == key).unwrap();
+        let damage = Damage {
+            law: (entry.build)(constants),
+            smallest_strain: 1e-3,
+            softening: Softening::Share(0.1),
+            after: AfterFailure::NoTension,
+        };
+        let whole = material(("mie-gruneisen", &COPPER), STRENGTHS[2], 46.0e9, f64::INFINITY);
+        materials.push(Material { damage: Some(damage), ..whole });
+    }
+    let other_rule = materials[2].clone();
+    materials.push(Material { return_rule: ReturnRule::BenzAsphaug, ..other_rule });
+    materials
+}
+
+/// Integrity and history variables of a particle that has them all: damage, time of failure, energy, integrity.
+const KEPT_BEFORE: [[f64; 4]; 4] =
+    [[0.0, 0.0, 0.0, 1.0], [0.995, 0.0, 3.0, 1.0], [1.0, 0.0, 40.0, 0.6], [1.0, 2e-7, 90.0, 0.0]];
+
+/// What is known of particles after a step, one row of numbers for each.
+fn advanced(
+    instructions: Instructions,
+    materials: &[Material],
+    source: TemperatureSource,
+    particles: &[(usize, Particle)],
+) -> Vec<Vec<f64>> {
+    let column = |of: &dyn Fn(&Particle) -> f64| -> Vec<f64> { particles.iter().map(|(_, p)| of(p)).collect() };
+    let step = StressStep {
+        materials,
+        temperature: source,
+        only_flow_heats: source == TemperatureSource::PlasticWork,
+        instructions,
+        commit: true,
+        slots: &materials.iter().map(|m| if m.breaks() { vec![0, 1, 2, 3] } else { Vec::new() }).collect::<Vec<_>>(),
+        history_width: 4,
+        cold_energies: &materials.iter().map(Material::cold_energies).collect::<Vec<_>>(),
+        breaks: materials.iter().any(Material::breaks),
+        support: 2.0,
+        end: 1e-6,
+    };
+    let mut columns = StressColumns::new();
+    columns.density[..particles.len()].copy_from_slice(&column(&|p| p.density));
+    columns.energy[..particles.len()].copy_from_slice(&column(&|p| p.energy));
+    let mut flow: [Vec<f64>; 5] = std::array::from_fn(|c| column(&|p| p.flow[c]));
+    let [ep, dep, y, wp, t] = &mut flow;
+    let mut history: Vec<f64> = particles.iter().flat_map(|(k, _)| KEPT_BEFORE[k % 4]).collect();
+    let inputs = ElasticInputs {
+        material: &particles.iter().map(|(_, p)| p.material).collect::<Vec<_>>(),
+        deviator: &particles.iter().map(|(_, p)| p.deviator).collect::<Vec<_>>(),
+        velocity_gradient: &particles.iter().map(|(_, p)| p.l).collect::<Vec<_>>(),
+        deformation: &[],
+        earlier_deformation: &[],
+        smoothing_length: &vec![1e-3; particles.len()],
+        dt: DT,
+    };
+    FlowColumns::new((ep, dep, y, wp, t, &mut history)).take_step(&step, &mut columns, &inputs);
+    let row = |k: usize| {
+        let stress = columns.deviator_of(k).to_array().into_iter().chain([columns.pressure[k]]);
+        stress.chain(flow.iter().map(|column| column[k])).chain(history[4 * k..][..4].iter().copied()).collect()
+    };
+    (0..particles.len()).map(row).collect()
+}
+
+#[test]
+fn lanes_follow_every_law_as_single_numbers_do_whatever_their_company() {
+    let all = laws_on_lanes();
+    for source in [TemperatureSource::PlasticWork, TemperatureSource::Energy] {
+        // One law at a time, and all of them side by side.
+        for chosen in (0..=all.len()).map(|m| all.get(m..m + 1).unwrap_or(&all)) {
+            let block = |kept: &dyn Fn(usize) -> bool| -> Vec<(usize, Particle)> {
+                let particles = (0..COUNT).filter(|k| kept(*k)).map(|k| (k, particle(chosen, chosen.len() > 1, k)));
+                particles.filter(|(k, _)| *k != 40 && *k != 50).collect()
+            };
+            let particles = block(&|_| true);
+            let one_by_one = advanced(Instructions::Scalar, chosen, source, &particles);
+            let yielded = particles.iter().zip(&one_by_one).filter(|((_, p), after)| after[7] > p.flow[0]).count();
+            assert!(yielded > COUNT / 4, "{yielded} of {COUNT} yield");
+            for instructions in Instructions::available() {
+                let together = advanced(instructions, chosen, source, &particles);
+                for ((k, p), (got, want)) in particles.iter().zip(together.iter().zip(&one_by_one)) {
+                    for (c, (got, want)) in got.iter().zip(want).enumerate() {
+                        let size = if c < 7 { 1e9 } else { want.abs().max(1e-6) };
+                        let law = chosen[p.material as usize].flow_law.key();
+                        let near = (got - want).abs() <= 1e-11 * size || got == want;
+                        assert!(near, "{instructions:?}, {law}, number {c} of {k}: {got:e} {want:e}");
+                    }
+                }
+                // The same digits beside other particles, or alone.
+                for kept in [&|k: usize| k % 3 == 1, &|k: usize| k == 16] as [&dyn Fn(usize) -> bool; 2] {
+                    let fewer = block(kept);
+                    for ((k, _), apart) in fewer.iter().zip(advanced(instructions, chosen, source, &fewer)) {
+                        let place = particles.iter().position(|(other, _)| other == k).unwrap();
+                        let bits = |row: &[f64]| row.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+                        assert_eq!(bits(&apart), bits(&together[place]), "{instructions:?}, {k}: {apart:?}");
+                    }
+                }
+            }
+        }
+    }
 }
