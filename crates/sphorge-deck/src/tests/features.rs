@@ -150,9 +150,6 @@ fn the_courant_number_is_that_of_the_form_unless_it_is_given() {
     // Its own form goes before that of the method.
     assert_eq!(courant(&[("method", "patino"), ("search", "total-lagrangian")]), 0.45);
     assert_eq!(courant(&[("search", "skin")]), 0.3);
-    // Gradients that are exact at faces are stiffer there: a foot tears at 0.45.
-    let quadratic = ("search", "{ total-lagrangian = { faces = \"quadratic\" } }");
-    assert_eq!(courant(&[quadratic]), 0.3);
     assert_eq!(courant(&[("time.courant", "0.2")]), 0.2);
 }
 
@@ -166,7 +163,6 @@ fn numerics_time_and_output_arrive() {
         pair_form: PairForm::DensityWeighted,
         gradient_correction: GradientCorrection::Linear,
         viscosity_alpha: 0.2,
-        viscosity_of_shocks: 0.0,
         viscosity_beta: 4.0,
         balsara: true,
         artificial_stress: Some(ArtificialStress { epsilon: 0.2, exponent: 6 }),
@@ -351,7 +347,7 @@ fn what_the_total_lagrangian_form_does_without_is_taken_out_once_and_told() {
     let deck = fitted(&deck.replace("\"armco-iron\"", "\"ofhc-copper\""));
     let setup = load_text("taylor", &deck, &[]).unwrap();
     let (numerics, plain) = (&setup.model.numerics, load_text("taylor", FLAVOUR, &[]).unwrap().model.numerics);
-    assert_eq!(*numerics, Numerics { viscosity_alpha: 0.1, viscosity_beta: 8.0, viscosity_of_shocks: 1.0, ..plain });
+    assert_eq!(*numerics, Numerics { viscosity_alpha: 0.1, viscosity_beta: 8.0, ..plain });
     assert_eq!(
         setup.model.formulation,
         Formulation::TotalLagrangian {

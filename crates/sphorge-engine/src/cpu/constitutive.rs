@@ -196,8 +196,9 @@ impl<T: PairScalar> CpuEngine<T> {
                 *work += step_size * columns.viscous_power(parameters, &form, masses, pressure);
                 if form.shocks.is_some() {
                     let volumes = &reference_volume[particles.clone()];
-                    let at_rest = masses.iter().zip(volumes).map(|(mass, volume)| mass / volume);
-                    columns.density_along_pairs.iter_mut().zip(at_rest).for_each(|(here, density)| *here *= density);
+                    for (here, (mass, volume)) in columns.initial_density.iter_mut().zip(masses.iter().zip(volumes)) {
+                        *here = mass / volume;
+                    }
                 }
             }
             run(step.instructions, PackStress { columns, form, records, extras });

@@ -7,9 +7,7 @@ use crate::neighbors::{BLOCK, PAD};
 use sphorge_physics::hyperelastic::{composed, minus_identity, neo_hookean_deviator};
 use sphorge_physics::pair::{PairForm, stress_scale};
 use sphorge_physics::return_mapping::elastic_margin;
-use sphorge_physics::viscosity::{
-    ViscosityParameters, bulk_viscosity, bulk_viscous_power, damping_rate, share_along_pairs, shock_share,
-};
+use sphorge_physics::viscosity::{ViscosityParameters, bulk_viscosity, bulk_viscous_power, damping_rate, shock_share};
 use sphorge_physics::{Dimension, SymmetricTensor, Tensor, artificial_stress, stress};
 
 /// Input and output of the stress of a block of particles, a column for each quantity. Entries behind the last particle
@@ -40,8 +38,8 @@ pub(super) struct StressColumns {
     pub(super) share: [f64; BLOCK],
     /// Of the viscosity that acts; only where it acts in shocks alone.
     pub(super) shock_share: [f64; BLOCK],
-    /// Density at rest, kg/m³, times the share of the viscosity along pairs; only where viscosity acts in shocks alone.
-    pub(super) density_along_pairs: [f64; BLOCK],
+    /// Density at rest, kg/m³; only where viscosity acts in shocks alone.
+    pub(super) initial_density: [f64; BLOCK],
     pub(super) pressure: [f64; BLOCK],
     pub(super) sound_speed: [f64; BLOCK],
 }
@@ -63,7 +61,7 @@ impl StressColumns {
             integrity: zero,
             share: zero,
             shock_share: zero,
-            density_along_pairs: zero,
+            initial_density: zero,
             pressure: zero,
             sound_speed: zero,
         }
@@ -116,7 +114,7 @@ impl StressColumns {
     }
 
     /// Finds the shares of the viscosity that act where it acts in shocks alone, and how fast it damps particles, 1/s. `inputs` have smoothing lengths at rest, the
-    /// columns compressed ones. Of the density along pairs it is the share.
+    /// columns compressed ones.
     pub(super) fn find_shocks(
         &mut self,
         form: &StressForm,
@@ -129,9 +127,7 @@ impl StressColumns {
             let share = form.shocks.map_or(1.0, |_| shock_share(&inputs.velocity_gradient[k], c, h));
             self.shock_share[k] = share;
             let mu = h * (-self.divergence[k]).max(0.0);
-            let along_pairs = share_along_pairs(mu, c);
-            self.density_along_pairs[k] = along_pairs;
-            *rate = damping_rate(parameters, form.shocks.unwrap_or(0.0) * along_pairs, share, c, mu, h, initial);
+            *rate = damping_rate(parameters, form.shocks.unwrap_or(0.0), share, c, mu, h, initial);
         }
     }
 
@@ -291,7 +287,7 @@ impl<T: PairScalar> Job<f64> for PackStress<'_, T> {
                 None => sound_speed,
                 Some(_) => {
                     let acts =
-                        sound_speed * L::load(&columns.density_along_pairs[k..]) * L::load(&columns.shock_share[k..]);
+                        sound_speed * L::load(&columns.initial_density[k..]) * L::load(&columns.shock_share[k..]);
                     if form.breaks { acts * L::load(&columns.share[k..]) } else { acts }
                 }
             };

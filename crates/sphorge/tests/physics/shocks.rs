@@ -62,8 +62,8 @@ const IN_SHOCKS: (&str, &str) = ("numerics.viscosity.shocks", "1.0");
 const FASTEST: f64 = 10000.0;
 
 #[test]
-fn viscosity_of_shocks_leaves_less_ringing_behind_them() {
-    for (impact, most) in [(500.0, 1.28), (2000.0, 1.2), (FASTEST, 1.15)] {
+fn viscosity_of_shocks_leaves_no_ringing_behind_them() {
+    for impact in [500.0, 2000.0, FASTEST] {
         let velocity = format!("[\"{impact} m/s\"]");
         let mut simulation = simulation(PLATES, &[("body.flyer.velocity", &velocity), IN_SHOCKS]);
         let (jump, speed) = hugoniot(impact);
@@ -81,8 +81,7 @@ fn viscosity_of_shocks_leaves_less_ringing_behind_them() {
             let far = (0..p.len()).filter(|&i| start[p.id[i] as usize].abs() > 1.2e-3).map(|i| p.pressure[i]);
             highest = far.fold(highest, f64::max);
         }
-        // Without this viscosity a third too high, and the fastest breaks off.
-        assert!(highest < most * pressure, "{impact}: {highest} of {pressure}");
+        assert!(highest < 1.1 * pressure, "{impact}: {highest} of {pressure}");
         let (face, front) = (9e-3 * jump / speed, 9e-3);
         let p = simulation.particles().unwrap();
         let within = |share: f64| face + share * (front - face);

@@ -22,7 +22,7 @@ use sphorge_physics::return_mapping::{Returned, return_mapping_near};
 use sphorge_physics::stress::trial_deviator;
 use sphorge_physics::total_lagrangian::{LARGEST_STRETCH_OF_A_LIQUID, stretched};
 use sphorge_physics::viscosity::{
-    ViscosityParameters, balsara, bulk_viscosity, bulk_viscous_power, damping_rate, share_along_pairs, shock_share,
+    ViscosityParameters, balsara, bulk_viscosity, bulk_viscous_power, damping_rate, shock_share,
 };
 use sphorge_physics::{Real, SymmetricTensor, Tensor};
 
@@ -445,13 +445,12 @@ impl<'a> Point<'a> {
             false => Recorded::one(),
         };
         let mu = shortest * (-divergence).max(Recorded::zero());
-        let along_pairs = share_along_pairs(mu, sound_speed);
-        let rate = damping_rate(parameters, shocks * along_pairs, in_shocks, sound_speed, mu, shortest, initial);
+        let rate = damping_rate(parameters, shocks, in_shocks, sound_speed, mu, shortest, initial);
         stretch.damping_rate.set(i, rate);
         let share = share * in_shocks;
         if numerics.viscosity_of_shocks > 0.0 {
             let at_rest = constants.mass.get(i) / groups::Reference::read(bind).volume.high().get(i);
-            stretch.impedance.set(i, share * sound_speed * at_rest * along_pairs);
+            stretch.impedance.set(i, share * sound_speed * at_rest);
         }
         let q = share * bulk_viscosity(parameters, divergence, rho, sound_speed, shortest);
         let power = bulk_viscous_power(mean(stretch.bulk_viscosity.get(i), q), divergence, rho);
