@@ -570,7 +570,7 @@ impl Oracle {
         if trace >= 0.0 {
             return 0.0;
         }
-        ((-h * trace / c - 0.002) / 0.006).clamp(0.0, 1.0) * ((trace * trace / square - 0.5) / 0.4).clamp(0.0, 1.0)
+        ((-h * trace / c - 0.001) / 0.002).clamp(0.0, 1.0) * ((trace * trace / square - 0.5) / 0.4).clamp(0.0, 1.0)
     }
 
     /// Viscosity of shocks along pairs at their places now, `V_i V_j w_ij alpha max(z_i, z_j) h max(0, -v.x)/x^2 x`; half of the heat to each.
