@@ -134,8 +134,6 @@ fn viscosity(raw: &RawNumerics, usual: &Choices, problems: &mut Problems) -> Opt
     let alpha = or_default!(table.alpha, default_alpha, |a: &Given<Number>| a.within(Bound::NonNegative, problems));
     let beta = or_default!(table.beta, default_beta, |b: &Given<Number>| b.within(Bound::NonNegative, problems));
     let balsara = or_default!(table.balsara, false, |b: &crate::value::Flag| b.get(problems));
-    // Constants that are given are meant for all motion.
-    let default_shocks = if table.alpha.is_none() && table.beta.is_none() { default_shocks } else { 0.0 };
     let shocks = or_default!(table.shocks, default_shocks, |s: &Given<Number>| s
         .within(Bound::Between(0.0, MOST_VISCOSITY_OF_SHOCKS), problems));
     Some((alpha?, beta?, balsara?, shocks?))

@@ -53,7 +53,7 @@ tables! {
         /// Quadratic coefficient.
         beta: Option<Given<Number>>, example 4.0, otherwise "8.0 in the total Lagrangian form, else 1.0";
         /// Linear coefficient of the viscosity of shocks along pairs, up to 10, in the total Lagrangian form. Where it is above 0, all viscosity acts in shocks alone: waves are not damped.
-        shocks: Option<Given<Number>>, example 1.0, otherwise "0.5 in the total Lagrangian form, 0 where `alpha` or `beta` is given";
+        shocks: Option<Given<Number>>, example 0.5, default 0.0;
         /// Balsara's switch: less viscosity in shear.
         balsara: Option<Flag>, example true, default false;
     }

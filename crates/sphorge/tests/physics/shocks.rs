@@ -56,7 +56,7 @@ fn behind_a_shock_is_the_state_of_the_hugoniot() {
 }
 
 /// Viscosity that acts in shocks alone.
-const IN_SHOCKS: (&str, &str) = ("numerics.viscosity.shocks", "1.0");
+const IN_SHOCKS: (&str, &str) = ("numerics.viscosity.shocks", "0.5");
 
 /// Impact of the fastest plates, m/s: with a constant Grüneisen parameter of two, shocks of more than 15.4 km/s compress by its limit of two.
 const FASTEST: f64 = 10000.0;
