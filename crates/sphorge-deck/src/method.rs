@@ -2,7 +2,7 @@
 
 use crate::defaults;
 use crate::strategy::Strategy;
-use sphorge_engine::model::{Arrangement, ArtificialStress, Formulation, Integrator, Search};
+use sphorge_engine::model::{Arrangement, ArtificialStress, FaceGradients, Formulation, Integrator, Search};
 
 /// A method by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,6 +101,9 @@ impl Method {
     /// What it has for the keys beside a strategy that may be another than its own: what belongs to the form goes with the form.
     pub(crate) fn beside(self, strategy: Strategy) -> Choices {
         match (self, strategy.formulation) {
+            (_, Formulation::TotalLagrangian { faces: FaceGradients::Quadratic, .. }) => {
+                Choices { courant: defaults::COURANT, ..Self::TotalLagrangian.choices() }
+            }
             (_, Formulation::TotalLagrangian { .. }) => Self::TotalLagrangian.choices(),
             (Self::TotalLagrangian, Formulation::UpdatedLagrangian) => UPDATED,
             (method, Formulation::UpdatedLagrangian) => method.choices(),
