@@ -370,7 +370,7 @@ impl Oracle {
                     (numerics.viscosity_alpha * c, numerics.viscosity_beta * h * (-divergence).max(0.0));
                 let pairs = 4.8 * numerics.viscosity_of_shocks * c / self.p.smoothing_length[i];
                 let share = if numerics.viscosity_of_shocks > 0.0 { self.share_in_shocks(i, h) } else { 1.0 };
-                self.damping_rate[i] = share * (2.4 * (linear + 2.0 * quadratic) / h + pairs);
+                self.damping_rate[i] = share * (0.6 * (linear + 2.0 * quadratic) / h + pairs);
                 pressure += q;
                 // The kicks of the step take half of it with the pressure before and half with the one after.
                 let mean = 0.5 * (std::mem::replace(&mut self.viscous_pressure[i], q) + q);

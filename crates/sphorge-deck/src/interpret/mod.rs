@@ -242,7 +242,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         Some(steps) => steps.positive(problems).map(Some),
     };
     numerics::check_smoothing(&raw.numerics, numerics.as_ref(), strategy, problems);
-    let time = raw.time.as_ref().and_then(|time| numerics::time(time, usual.courant, problems));
+    let time = raw.time.as_ref().and_then(|time| numerics::time(time, problems));
     let output = numerics::output(&raw.output, time.as_ref().map(|t| t.end), search, problems);
     let library = material::Library::new(&raw.material, problems);
     let (body_names, body_places) = Names::collect("body", raw.body.iter().map(|b| &b.name), problems);
