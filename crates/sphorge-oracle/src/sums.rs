@@ -6,7 +6,7 @@ use sphorge_engine::model::{Formulation, GradientCorrection, Integrator, Materia
 use sphorge_physics::damage::Before as DamageBefore;
 use sphorge_physics::eos::PressureState;
 use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, gradient_correction};
-use sphorge_physics::hourglass::{Spring, is_fit};
+use sphorge_physics::hourglass::{Counted, Spring, is_fit};
 use sphorge_physics::hyperelastic::{minus_identity, neo_hookean_deviator};
 use sphorge_physics::integrity::{Borne, smeared_width};
 use sphorge_physics::moving_least_squares::Moments;
@@ -495,10 +495,10 @@ impl Oracle {
         let (young, p) = (self.material(i).young_modulus(), &self.p);
         let (flow, least) = (p.yield_stress[i], self.yielded_stretch[i]);
         let counted = match self.model.formulation {
-            Formulation::TotalLagrangian { faces, .. } => faces.counted_misfit(),
-            Formulation::UpdatedLagrangian => 0.0,
+            Formulation::TotalLagrangian { faces, .. } => faces.counted(),
+            Formulation::UpdatedLagrangian => Counted::LINEAR,
         };
-        Spring::of_misfit(counted, strength, young, flow, p.plastic_strain[i], least)
+        Spring::new(counted, strength, young, flow, p.plastic_strain[i], least)
     }
 
     /// Energy that the springs hold, J.

@@ -44,18 +44,25 @@ use crate::{Dimension, Elementary, Real, Tensor, Vector};
 /// Flow stress at least, for metal without strength such as a melt, as a share of Young's modulus.
 const LEAST: f64 = 2e-4;
 
-/// How much of the plastic strain counts, `a`: it decides where the strain is large and the misfit small, as in a neck. With
-/// all of it the neck of a rod of copper, pulled by 40 %, is too sharp: the strain in its middle is 12 % above that of
-/// finite elements, with 0.7 by 2 %, with 0.6 by 0.2 %, with less below it; feet do not change.
-const COUNTED_STRAIN: f64 = 0.7;
+/// How much of the plastic strain and of the misfit counts as strain of the springs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Counted {
+    /// Of the plastic strain, `a`: it decides where the strain is large and the misfit small, as in a neck.
+    pub strain: f64,
+    /// Of the misfit, `c`: it decides where the misfit is large, as in hinges, which lock without, and in feet.
+    pub misfit: f64,
+}
 
-/// How much of the misfit counts as strain, `c`: it decides where the misfit is large, as in hinges, which lock without,
-/// and in feet. The foot of a plate of iron with 12 particles across is 1.3 and 0.9 % too narrow with 17 and 20, that of a
-/// copper bar on a wall that lets it go 3.0 % with 17 and 2.2 % with 32; but with 32 a bar at 300 m/s has one that is 2.6 % too wide.
-pub const COUNTED_MISFIT: f64 = 16.0;
+impl Counted {
+    /// Where gradients are exact for linear fields. With all of the plastic strain the neck of a rod of copper, pulled by 40 %, is too sharp:
+    /// the strain in its middle is 12 % above that of finite elements, with 0.7 by 2 %, with 0.6 by 0.2 %, with less below it; feet do
+    /// not change. The foot of a plate of iron with 12 particles across is 1.3 and 0.9 % too narrow with a `c` of 17 and 20, that of a
+    /// copper bar on a wall that lets it go 3.0 % with 17 and 2.2 % with 32; but with 32 a bar at 300 m/s has one that is 2.6 % too wide.
+    pub const LINEAR: Self = Self { strain: 0.7, misfit: 16.0 };
 
-/// The same where gradients are exact for quadratic fields at faces.
-pub const COUNTED_MISFIT_QUADRATIC: f64 = 4.0;
+    /// Where they are exact for quadratic fields at faces.
+    pub const QUADRATIC: Self = Self { strain: 0.7, misfit: 4.0 };
+}
 
 /// Largest deviation of `M B M` from `M`, relative to `M`, that is rounding.
 const INEXACT: f64 = 1e-3;
@@ -73,25 +80,12 @@ impl<T: Real> Spring<T> {
     /// Springs of strength `alpha` in a material of that Young's modulus, flow stress (Pa) and plastic strain, with the
     /// least principal stretch at which it has yielded.
     #[inline(always)]
-    pub fn new(strength: T, young: T, yield_stress: T, plastic_strain: T, least_stretch: T) -> Self {
-        Self::of_misfit(COUNTED_MISFIT, strength, young, yield_stress, plastic_strain, least_stretch)
-    }
-
-    /// The same with so much of the misfit counted as strain, `c`.
-    #[inline(always)]
-    pub fn of_misfit(
-        counted_misfit: f64,
-        strength: T,
-        young: T,
-        yield_stress: T,
-        plastic_strain: T,
-        least_stretch: T,
-    ) -> Self {
+    pub fn new(counted: Counted, strength: T, young: T, yield_stress: T, plastic_strain: T, least_stretch: T) -> Self {
         // A fluid has no springs, but its flow stress must not be zero.
         let flow = yield_stress.max(T::of(LEAST) * young).max(T::one());
         let inverse_strain = young / flow;
-        let share = T::one() / (T::one() + T::of(COUNTED_STRAIN) * inverse_strain * plastic_strain);
-        let softening = T::of(counted_misfit) * inverse_strain * share;
+        let share = T::one() / (T::one() + T::of(counted.strain) * inverse_strain * plastic_strain);
+        let softening = T::of(counted.misfit) * inverse_strain * share;
         let stiffness = strength * young * share * least_stretch.min(T::one()).sqrt();
         Self { stiffness, softening: softening * softening }
     }
@@ -251,7 +245,9 @@ mod tests {
         fn new(dimension: Dimension) -> Self {
             let cloud = Cloud::block(dimension);
             // Particles that have yielded by different strains.
-            let spring = |i: usize| Spring::new(1.2, 200.0, 1.0, 0.002 * (i % 5) as f64, 0.7 + 0.1 * (i % 4) as f64);
+            let spring = |i: usize| {
+                Spring::new(Counted::LINEAR, 1.2, 200.0, 1.0, 0.002 * (i % 5) as f64, 0.7 + 0.1 * (i % 4) as f64)
+            };
             let spring = (0..cloud.count()).map(spring).collect();
             let mut sprung = Self { cloud, spring, correction: Vec::new() };
             let places = sprung.cloud.x.clone();
@@ -473,23 +469,23 @@ mod tests {
     #[test]
     fn springs_soften_with_plastic_strain_and_misfit() {
         // E 200 GPa, Y 800 MPa at a plastic strain of 0.04: 800 MPa/(0.7 0.04 + 0.004) = 25 GPa, times 1.2.
-        let spring = Spring::new(1.2, 200e9, 800e6, 0.04f64, 1.0);
+        let spring = Spring::new(Counted::LINEAR, 1.2, 200e9, 800e6, 0.04f64, 1.0);
         assert!((spring.stiffness / 30e9 - 1.0).abs() < 1e-12);
         // b = 16/0.032: at a misfit of 0.002 sqrt(2) times softer.
         assert!((spring.at((0.002f64).powi(2)) / 30e9 * 2.0f64.sqrt() - 1.0).abs() < 1e-12);
         // Far beyond: Y/(16 eps_z).
         assert!((spring.at(1.0) / (1.2 * 800e6 / 16.0) - 1.0).abs() < 1e-5);
         // Pressed to a quarter of its height, half; wider on all sides, no more.
-        let of = |stretch| Spring::new(1.2, 200e9, 800e6, 0.04f64, stretch);
+        let of = |stretch| Spring::new(Counted::LINEAR, 1.2, 200e9, 800e6, 0.04f64, stretch);
         assert_eq!(of(0.25), Spring { stiffness: 0.5 * spring.stiffness, ..spring });
         assert_eq!(of(1.2), spring);
         // A melt has a flow stress of 2e-4 E.
-        let melt = Spring::new(1.0, 200e9, 0.0f64, 1.0, 1.0);
+        let melt = Spring::new(Counted::LINEAR, 1.0, 200e9, 0.0f64, 1.0, 1.0);
         assert!((melt.stiffness / (40e6 / (0.7 + 2e-4)) - 1.0).abs() < 1e-12);
         // What never yields does not soften, and a fluid has no springs.
-        let rubber = Spring::new(1.2, 2e6, f64::INFINITY, 0.0, 1.0);
+        let rubber = Spring::new(Counted::LINEAR, 1.2, 2e6, f64::INFINITY, 0.0, 1.0);
         assert_eq!((rubber.at(0.0), rubber.at(0.3)), (2.4e6, 2.4e6));
-        assert_eq!(Spring::new(1.2, 0.0, 0.0f64, 0.0, 1.0).at(0.3), 0.0);
+        assert_eq!(Spring::new(Counted::LINEAR, 1.2, 0.0, 0.0f64, 0.0, 1.0).at(0.3), 0.0);
     }
 
     #[test]

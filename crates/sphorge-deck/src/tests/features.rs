@@ -4,6 +4,7 @@ use super::super::*;
 use super::{FLAVOUR, changed};
 use sphorge_engine::model::*;
 use sphorge_physics::{
+    hourglass::Counted,
     kernel::Kernel,
     pair::{EnergySplit, PairForm},
     return_mapping::ReturnRule,
@@ -310,15 +311,15 @@ fn fitted(deck: &str) -> String {
 #[test]
 fn gradients_at_faces_choose_the_strength_of_the_springs() {
     for (keys, expected) in [
-        ("faces = \"linear\"", (FaceGradients::Linear, 1.25, 16.0)),
-        ("faces = \"quadratic\"", (FaceGradients::Quadratic, 0.4, 4.0)),
-        ("faces = \"quadratic\", hourglass = 1.0", (FaceGradients::Quadratic, 1.0, 4.0)),
+        ("faces = \"linear\"", (FaceGradients::Linear, 1.25, Counted::LINEAR)),
+        ("faces = \"quadratic\"", (FaceGradients::Quadratic, 0.4, Counted::QUADRATIC)),
+        ("faces = \"quadratic\", hourglass = 1.0", (FaceGradients::Quadratic, 1.0, Counted::QUADRATIC)),
     ] {
         let search = format!("search = {{ total-lagrangian = {{ {keys} }} }}");
         let deck = fitted(&changed("search = \"every-step\"", &search).replace("\"armco-iron\"", "\"ofhc-copper\""));
         let formulation = load_text("taylor", &deck, &[]).unwrap().model.formulation;
         let Formulation::TotalLagrangian { hourglass, faces, .. } = formulation else { panic!("{formulation:?}") };
-        assert_eq!((faces, hourglass, faces.counted_misfit()), expected, "{keys}");
+        assert_eq!((faces, hourglass, faces.counted()), expected, "{keys}");
     }
 }
 

@@ -13,7 +13,7 @@ use crate::model::{Formulation, Material, Model};
 use crate::neighbors::{BLOCK, Block};
 use crate::particles::Particles;
 use rayon::prelude::*;
-use sphorge_physics::hourglass::{Misfit, Spring, SpringSums};
+use sphorge_physics::hourglass::{Counted, Misfit, Spring, SpringSums};
 use sphorge_physics::{Dimension, Tensor, Vector, tensor};
 
 struct HourglassJob<'a, T, const D: usize> {
@@ -146,8 +146,7 @@ impl<T: PairScalar> SpringSweep<'_, T> {
 #[derive(Clone, Copy)]
 pub(super) struct SpringLaw {
     strength: f64,
-    /// How much of the misfit counts as strain.
-    counted_misfit: f64,
+    counted: Counted,
 }
 
 impl SpringLaw {
@@ -155,7 +154,7 @@ impl SpringLaw {
     pub(super) fn of(model: &Model) -> Option<Self> {
         match model.formulation {
             Formulation::TotalLagrangian { hourglass, faces, .. } if hourglass != 0.0 => {
-                Some(Self { strength: hourglass, counted_misfit: faces.counted_misfit() })
+                Some(Self { strength: hourglass, counted: faces.counted() })
             }
             _ => None,
         }
@@ -164,7 +163,7 @@ impl SpringLaw {
     /// Springs of a particle of this flow stress (Pa) and plastic strain, with the least principal stretch at which it
     /// has yielded.
     pub(super) fn spring(self, of: &Material, yield_stress: f64, plastic_strain: f64, stretch: f64) -> Spring<f64> {
-        Spring::of_misfit(self.counted_misfit, self.strength, of.young_modulus(), yield_stress, plastic_strain, stretch)
+        Spring::new(self.counted, self.strength, of.young_modulus(), yield_stress, plastic_strain, stretch)
     }
 
     /// Springs of particle `i`.

@@ -1,6 +1,6 @@
 //! Choices of the discretisation, of time and of output.
 
-use sphorge_physics::hourglass::{COUNTED_MISFIT, COUNTED_MISFIT_QUADRATIC};
+use sphorge_physics::hourglass::Counted;
 use sphorge_physics::kernel::Kernel;
 use sphorge_physics::pair::{EnergySplit, PairForm};
 use sphorge_physics::step_control::StepChange;
@@ -132,11 +132,11 @@ pub enum FaceGradients {
 }
 
 impl FaceGradients {
-    /// How much of the misfit of hourglass springs counts as strain.
-    pub fn counted_misfit(self) -> f64 {
+    /// How much of what counts as strain of hourglass springs.
+    pub fn counted(self) -> Counted {
         match self {
-            Self::Linear => COUNTED_MISFIT,
-            Self::Quadratic => COUNTED_MISFIT_QUADRATIC,
+            Self::Linear => Counted::LINEAR,
+            Self::Quadratic => Counted::QUADRATIC,
         }
     }
 }

@@ -386,7 +386,7 @@ impl Planner<'_> {
                     let share = in_dimension!(model, face_sums::share, model, stride);
                     self.add_near_faces(Stage::Stress, Threads::NearFaces, share);
                 }
-                let counted = faces.counted_misfit();
+                let counted = faces.counted();
                 self.add(Stage::Stress, reference_forces::pull_back(model, (hourglass, counted), stride)?);
             }
         }

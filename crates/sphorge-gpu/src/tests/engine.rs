@@ -81,6 +81,8 @@ fn compare_with_noise(deck: &str, overrides: &[(&str, &str)], end: f64, near: f6
     // Springs resist what the noise of pressures drives, too.
     if of_noise {
         close("hourglass springs", a.hourglass_energy, b.hourglass_energy, 10.0 * b.hourglass_energy.abs());
+        let held = b.hourglass_stored_energy;
+        close("what hourglass springs hold", a.hourglass_stored_energy, held, 10.0 * held);
     }
     assert!(b.viscous_energy > 1e-3 * scale, "nothing is damped");
     close(

@@ -4,7 +4,7 @@ use super::facets;
 use crate::record::Recorded;
 use sphorge_physics::eos::{BoundedPressure, ColdEnergy, EQUATIONS_OF_STATE, EquationOfState};
 use sphorge_physics::flow::{FLOW_LAWS, FlowLaw, FlowState};
-use sphorge_physics::hourglass::{Misfit, Spring, SpringSums, is_fit};
+use sphorge_physics::hourglass::{Counted, Misfit, Spring, SpringSums, is_fit};
 use sphorge_physics::hyperelastic::{composed, neo_hookean_deviator, neo_hookean_energy_of_stress};
 use sphorge_physics::kernel::{Kernel, PairScale};
 use sphorge_physics::kick::{KickAccount, KickAxis, earlier};
@@ -316,7 +316,7 @@ pub(super) fn laws() -> Vec<Law> {
             let initial = [x[0], x[1], x[2]];
             let now = [x[0] + x[3], x[1] * T::of(1.2), x[2] - x[3]];
             let misfit = Misfit::of::<3>(&initial, &now, &f, &transpose(&f));
-            let spring = Spring::new(T::of(1.2), T::of(120e9), x[8], x[9], T::of(0.3));
+            let spring = Spring::new(Counted::LINEAR, T::of(1.2), T::of(120e9), x[8], x[9], T::of(0.3));
             let stiffness = spring.at(misfit.initial2);
             let mut sums = SpringSums::zero();
             let push = misfit.push::<3>(stiffness, spring.stiffness);

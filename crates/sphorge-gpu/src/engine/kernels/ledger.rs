@@ -161,11 +161,13 @@ fn energies(model: &Model, partition: Partition, count: usize) -> Result<Recordi
         let (energy, density) = (groups::Energy::read(bind), groups::Density::read(bind).density);
         let (deviator, pressures) = (groups::Deviator::read(bind).deviator, groups::Pressure::read(bind));
         let (plastic, constants) = (groups::Plastic::read(bind), groups::Constants::read(bind));
-        let strength = match model.formulation {
-            Formulation::TotalLagrangian { hourglass, .. } if hourglass != 0.0 => Some(hourglass),
+        let law = match model.formulation {
+            Formulation::TotalLagrangian { hourglass, faces, .. } if hourglass != 0.0 => {
+                Some((hourglass, faces.counted()))
+            }
             _ => None,
         };
-        let springs = strength.map(|strength| (strength, groups::Springs::read(bind), groups::Reference::read(bind)));
+        let springs = law.map(|law| (law, groups::Springs::read(bind), groups::Reference::read(bind)));
         let variables = HistoryVariables::of(model).variables;
         let place = variables.iter().position(|variable| variable.name == FRACTURE_ENERGY.name);
         let broken = place.map(|place| groups::History::read(bind).of(place).value);
@@ -192,7 +194,7 @@ fn energies(model: &Model, partition: Partition, count: usize) -> Result<Recordi
             }
             let elastic = shear + Double::of(0.5) * bulk * bulk;
             let [internal, plastic_work] = [energy.energy.get(i), plastic.work.get(i)].map(Double::new);
-            let held = springs.map_or_else(Double::zero, |(strength, springs, reference)| {
+            let held = springs.map_or_else(Double::zero, |((strength, counted), springs, reference)| {
                 let [young, yield_stress, stretch, misfit] = [
                     constants.young_modulus.get(i),
                     plastic.yield_stress.get(i),
@@ -201,7 +203,7 @@ fn energies(model: &Model, partition: Partition, count: usize) -> Result<Recordi
                 ]
                 .map(Double::from);
                 let plastic_strain = Double::new(plastic.strain.get(i));
-                let spring = Spring::new(Double::of(strength), young, yield_stress, plastic_strain, stretch);
+                let spring = Spring::new(counted, Double::of(strength), young, yield_stress, plastic_strain, stretch);
                 Double::new(reference.volume.get(i)) * spring.energy(misfit, model.dimensions.into())
             });
             let broken = broken.map_or_else(Double::zero, |history| m * history.double(i));

@@ -7,7 +7,7 @@ use super::section::{Crossing, Through};
 use crate::engine::columns::{Handles, ReadColumns, Recording, WriteColumns, groups, recording};
 use crate::record::{Double, Index, KernelFault, Recorded};
 use sphorge_engine::model::Model;
-use sphorge_physics::hourglass::{Misfit, Spring, SpringSums};
+use sphorge_physics::hourglass::{Counted, Misfit, Spring, SpringSums};
 use sphorge_physics::pair::{ForceSums, PairForce, corrected_stress_vector, momentum_factor};
 use sphorge_physics::tensor::{dot, multiply, plus};
 use sphorge_physics::total_lagrangian::force_tensor;
@@ -17,7 +17,7 @@ use sphorge_physics::{Real, Tensor, Vector};
 /// Data of a neighbour that forces read: the tensor whose sum is the force, and its spring.
 pub(in crate::engine) fn pull_back(
     model: &Model,
-    (hourglass, counted_misfit): (f64, f64),
+    (hourglass, counted): (f64, Counted),
     count: usize,
 ) -> Result<Recording, KernelFault> {
     recording("pull_back", count, |bind, i| {
@@ -45,7 +45,7 @@ pub(in crate::engine) fn pull_back(
             let (yield_stress, plastic_strain) = (plastic.yield_stress.get(i), plastic.strain.high().get(i));
             let (strength, young) = (Recorded::of(hourglass), constants.young_modulus.get(i));
             let stretch = springs.least_stretch.get(i);
-            let spring = Spring::of_misfit(counted_misfit, strength, young, yield_stress, plastic_strain, stretch);
+            let spring = Spring::new(counted, strength, young, yield_stress, plastic_strain, stretch);
             pulled_back.stiffness.set(i, spring.at(springs.misfit.get(i)));
         }
     })

@@ -278,14 +278,14 @@ impl<'a> Point<'a> {
     fn energy_of_springs(&self, bind: &mut Binder<'_>) -> Option<Recorded> {
         let (model, plastic, i) = (self.model, self.plastic, self.i);
         match model.formulation {
-            Formulation::TotalLagrangian { hourglass, .. }
+            Formulation::TotalLagrangian { hourglass, faces, .. }
                 if hourglass != 0.0 && self.of.commits() && model.numerics.temperature == TemperatureSource::Energy =>
             {
                 let (springs, constants) = (groups::Springs::read(bind), groups::Constants::read(bind));
                 let (strength, young, least) =
                     (Recorded::of(hourglass), constants.young_modulus.get(i), springs.least_stretch.get(i));
-                let spring =
-                    Spring::new(strength, young, plastic.yield_stress.get(i), plastic.strain.high().get(i), least);
+                let (yield_stress, strain) = (plastic.yield_stress.get(i), plastic.strain.high().get(i));
+                let spring = Spring::new(faces.counted(), strength, young, yield_stress, strain, least);
                 let volume_by_mass = groups::Reference::read(bind).volume.high().get(i) / constants.mass.get(i);
                 Some(volume_by_mass * spring.energy(springs.misfit.get(i), model.dimensions.into()))
             }

@@ -107,14 +107,17 @@ impl GpuEngine {
 
     /// Energy that the hourglass springs hold, J.
     fn energy_of_springs_read(&self, p: &Particles) -> Result<f64, RunFailure> {
-        let Formulation::TotalLagrangian { hourglass: strength, .. } = self.model.formulation else { return Ok(0.0) };
+        let Formulation::TotalLagrangian { hourglass: strength, faces, .. } = self.model.formulation else {
+            return Ok(0.0);
+        };
+        let counted = faces.counted();
         let (springs, reference, constants) =
             (self.group(Group::Springs)?, self.group(Group::Reference)?, self.group(Group::Constants)?);
         let of_springs = groups::Springs::layout();
         let held = |i: usize| {
             let young_modulus = constants.number(groups::Constants::layout().young_modulus, i);
             let least = springs.number(of_springs.least_stretch, i);
-            let spring = Spring::new(strength, young_modulus, p.yield_stress[i], p.plastic_strain[i], least);
+            let spring = Spring::new(counted, strength, young_modulus, p.yield_stress[i], p.plastic_strain[i], least);
             let misfit = springs.number(of_springs.misfit, i);
             reference.double(groups::Reference::layout().volume, i)
                 * spring.energy(misfit, self.model.dimensions.into())
