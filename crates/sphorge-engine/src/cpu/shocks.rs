@@ -104,16 +104,14 @@ impl<T: PairScalar> ShockSweep<'_, T> {
 }
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// The sums, if there is viscosity of shocks and a particle at a shock.
+    /// The sums, if there is viscosity of shocks.
     fn shock_sweep(&self) -> Option<ShockSweep<'_, T>> {
-        let strength = self.formulation.viscosity_of_shocks(&self.model)?;
-        let is_at_shock = self.records.force.par_iter().with_min_len(BLOCK).any(|record| record[force::C] > T::zero());
-        is_at_shock.then(|| ShockSweep {
+        Some(ShockSweep {
+            strength: self.formulation.viscosity_of_shocks(&self.model)?,
             records: &self.records,
             constants: &self.constants,
             instructions: self.instructions,
             dimension: super::dimension(&self.model),
-            strength,
         })
     }
 
@@ -141,7 +139,9 @@ impl<T: PairScalar> CpuEngine<T> {
         let mut work = std::mem::take(&mut self.numerical_work.viscous.power);
         let Particles { acceleration, energy_rate, .. } = &mut self.particles;
         let mut rates = (std::mem::take(acceleration), std::mem::take(energy_rate));
-        let shocks = self.shock_sweep();
+        // Most steps have no shock.
+        let is_at_shock = self.records.force.par_iter().with_min_len(BLOCK).any(|record| record[force::C] > T::zero());
+        let shocks = self.shock_sweep().filter(|_| is_at_shock);
         let (p, inner, list) = (&self.particles, &self.inner, &self.lists.list);
         (rates.0.par_chunks_mut(BLOCK), rates.1.par_chunks_mut(BLOCK), work.par_iter_mut())
             .into_par_iter()
