@@ -339,6 +339,7 @@ impl Oracle {
     pub(crate) fn mechanical_limit(&self) -> TimeStepLimit {
         let (model, p, courant) = (&self.model, &self.p, self.model.time.courant);
         let limit = |dt, reason| TimeStepLimit { dt, reason };
+        let of_damping = if model.time.fixed_step.is_some() { courant } else { 1.0 };
         let mut least = limit(f64::INFINITY, LimitReason::SoundSpeed);
         for i in 0..p.len() {
             let shear = self.shear_modulus(i, p.density[i], p.pressure[i]);
@@ -348,7 +349,7 @@ impl Oracle {
                 h = limiting_length(h, smallest_stretch(&self.deformation[i]));
             }
             least = least.min(limit(sound_limit(h, speed, self.mu[i], courant), LimitReason::SoundSpeed));
-            least = least.min(limit(1.0 / self.damping_rate[i], LimitReason::SoundSpeed));
+            least = least.min(limit(of_damping / self.damping_rate[i], LimitReason::SoundSpeed));
             least = least.min(limit(acceleration_limit(h, a, courant), LimitReason::Acceleration));
         }
         let rate = |b: &sphorge_engine::model::Body| {

@@ -76,7 +76,7 @@ fn limits_of_block(model: &Model, p: &Particles, instructions: Instructions, b: 
     run(instructions, LimitJob { columns: &columns, courant: model.time.courant, limits: &mut limits });
     let damped =
         p.damping_rate.get(b * BLOCK..b * BLOCK + count).unwrap_or(&[]).iter().fold(0.0, |a: f64, b| a.max(*b));
-    (limits.0.min(1.0 / damped), limits.1)
+    (limits.0.min(model.time.share_of_damping() / damped), limits.1)
 }
 
 /// The smallest limit of all particles, walls and contacts; `contact` is the limit of the contact between bodies, s.

@@ -4,6 +4,7 @@ use super::{GhostColumn, Halo, Incoming, Outgoing, Packed};
 use crate::model::{Model, SymmetryPlane};
 use crate::persist::{Archive, ArchiveError, Persist, require};
 use rayon::prelude::*;
+use smallvec::SmallVec;
 use sphorge_physics::{Real, SymmetricTensor, Tensor, Vector};
 use std::collections::HashSet;
 
@@ -76,6 +77,9 @@ pub(super) fn reflect(images: &[Image], others: usize, column: GhostColumn<'_>) 
     }
 }
 
+/// Entries of the widest records.
+const WIDEST: usize = 16;
+
 /// Images that a thread fills at a time: fewer are not worth a second thread.
 const SHARE: usize = 256;
 
@@ -102,8 +106,8 @@ fn packed<T: Real + Send + Sync>(images: &[Image], others: usize, records: Packe
     let width = axes.len();
     let (others, ghosts) = ghosts.split_at_mut(others * width);
     let others = &*others;
-    // What the entries of a record are multiplied by, for each of the eight sets of axes that an image is mirrored on.
-    let factors: Vec<T> = (0..8u8)
+    // What the entries of a record are multiplied by, for each of the eight sets of axes that an image is mirrored on. A step does not allocate.
+    let factors: SmallVec<[T; 8 * WIDEST]> = (0..8u8)
         .flat_map(|mirrored| axes.iter().map(move |(first, second)| (mirrored & first, mirrored & second)))
         .map(|(first, second)| if (first != 0) == (second != 0) { T::one() } else { -T::one() })
         .collect();

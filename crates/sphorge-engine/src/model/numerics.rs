@@ -229,6 +229,11 @@ impl TimeControl {
     pub fn courant_of_contacts(&self) -> f64 {
         if self.fixed_step.is_some() { self.courant } else { self.courant.min(MOST_OF_CONTACTS) }
     }
+
+    /// Share of the limit of viscosity that a step may take. A fixed step is held against limits of one number.
+    pub fn share_of_damping(&self) -> f64 {
+        if self.fixed_step.is_some() { self.courant } else { 1.0 }
+    }
 }
 
 /// When a step is taken back and repeated smaller.

@@ -178,3 +178,19 @@ fn a_fixed_step_is_held_against_limits_of_one_courant_number() {
     let mut simulation = simulation(PLATES, &[("body.flyer.velocity", "[\"100 m/s\"]"), ("time", time)]);
     run_to(&mut simulation, 0.3e-6);
 }
+
+#[test]
+fn a_fixed_step_that_viscosity_makes_unstable_is_refused() {
+    // Sound allows 28 ns, the springs between the plates 16 ns, the viscosity of shocks some 5 ns.
+    let end = |step: &str| {
+        let time = format!("{{ end = \"1 s\", fixed-step = \"{step}\" }}");
+        let mut simulation = simulation(
+            PLATES,
+            &[("numerics.viscosity.shocks", "1.0"), ("body.flyer.velocity", "[\"100 m/s\"]"), ("time", &time)],
+        );
+        let mut steps = (0..40).map(|_| simulation.step(None));
+        steps.find_map(Result::err).map(|failure| failure.to_string())
+    };
+    assert_eq!(end("4 ns"), None);
+    assert!(end("12 ns").is_some_and(|message| message.contains("the fixed step 1.200e-8 s is unstable")));
+}

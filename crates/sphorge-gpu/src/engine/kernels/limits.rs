@@ -89,7 +89,7 @@ pub(in crate::engine) fn of_particles(model: &Model, count: usize) -> Result<Rec
         let by_sound = sound_limit(shortest, speed, rates.largest_mu.get(i), courant);
         // Without viscosity there is no other limit; that of sound is far below this one.
         let damped = stretch.map_or(zero, |stretch| stretch.damping_rate.get(i)).max(Recorded::of(1.0 / BEYOND));
-        limits.by_sound.set(i, by_sound.min(one / damped));
+        limits.by_sound.set(i, by_sound.min(Recorded::of(model.time.share_of_damping()) / damped));
         limits.by_acceleration.set(i, by_acceleration);
         let mut by_contact = || groups::Contact::read(bind).limit.get(i);
         limits.by_contact.set(i, if model.has_contact() { by_contact() } else { Recorded::of(BEYOND) });
