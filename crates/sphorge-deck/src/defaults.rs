@@ -9,6 +9,10 @@ pub(crate) const SMOOTHING: f64 = 1.2;
 pub(crate) const LAGRANGIAN_SMOOTHING: f64 = 1.1;
 /// Courant number.
 pub(crate) const COURANT: f64 = 0.3;
+/// That of the total Lagrangian form, whose neighbours stay: a body alone is stable beyond one. Copper at 190 m/s has its foot at 14.609, 14.614 and 14.629 mm
+/// with 0.3, 0.6 and 1. Where bodies meet the engine steps no farther than at 0.3. Fluids, which
+/// bear the same motions by viscosity alone, have [`COURANT`].
+pub(crate) const LAGRANGIAN_COURANT: f64 = 0.45;
 /// Linear and quadratic artificial viscosity.
 pub(crate) const VISCOSITY: (f64, f64) = (1.0, 1.0);
 /// That of the total Lagrangian form. Viscosity is dissipation there, nothing else: with the linear constant at 1 the shafts of soft bars

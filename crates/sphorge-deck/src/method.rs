@@ -2,7 +2,7 @@
 
 use crate::defaults;
 use crate::strategy::Strategy;
-use sphorge_engine::model::{Arrangement, ArtificialStress, Formulation, Integrator, Search};
+use sphorge_engine::model::{Arrangement, ArtificialStress, FaceGradients, Formulation, Integrator, Search};
 
 /// A method by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +29,8 @@ pub(crate) struct Choices {
     pub(crate) round: Arrangement,
     /// Smoothing length over spacing.
     pub(crate) smoothing: f64,
+    /// Courant number.
+    pub(crate) courant: f64,
 }
 
 /// Which contact a wall has.
@@ -50,6 +52,7 @@ const UPDATED: Choices = Choices {
     viscosity_of_shocks: 0.0,
     round: Arrangement::Square,
     smoothing: defaults::SMOOTHING,
+    courant: defaults::COURANT,
 };
 
 impl Method {
@@ -74,6 +77,7 @@ impl Method {
                     viscosity_of_shocks: defaults::VISCOSITY_OF_SHOCKS,
                     round: Arrangement::Rings,
                     smoothing: defaults::LAGRANGIAN_SMOOTHING,
+                    courant: defaults::LAGRANGIAN_COURANT,
                     ..UPDATED
                 }
             }
@@ -97,6 +101,9 @@ impl Method {
     /// What it has for the keys beside a strategy that may be another than its own: what belongs to the form goes with the form.
     pub(crate) fn beside(self, strategy: Strategy) -> Choices {
         match (self, strategy.formulation) {
+            (_, Formulation::TotalLagrangian { faces: FaceGradients::Quadratic, .. }) => {
+                Choices { courant: defaults::COURANT, ..Self::TotalLagrangian.choices() }
+            }
             (_, Formulation::TotalLagrangian { .. }) => Self::TotalLagrangian.choices(),
             (Self::TotalLagrangian, Formulation::UpdatedLagrangian) => UPDATED,
             (method, Formulation::UpdatedLagrangian) => method.choices(),

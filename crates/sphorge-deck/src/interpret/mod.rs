@@ -242,7 +242,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         Some(steps) => steps.positive(problems).map(Some),
     };
     numerics::check_smoothing(&raw.numerics, numerics.as_ref(), strategy, problems);
-    let time = raw.time.as_ref().and_then(|time| numerics::time(time, problems));
+    let mut time = raw.time.as_ref().and_then(|time| numerics::time(time, usual.courant, problems));
     let output = numerics::output(&raw.output, time.as_ref().map(|t| t.end), search, problems);
     let library = material::Library::new(&raw.material, problems);
     let (body_names, body_places) = Names::collect("body", raw.body.iter().map(|b| &b.name), problems);
@@ -258,6 +258,12 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     let defaults = body::ParticleDefaults::read(raw.particles.as_ref(), spacing, &usual, problems);
     let bodies: Vec<_> =
         raw.body.iter().map(|b| body::body(b, dimensions, &defaults, &mut materials, problems)).collect();
+    if raw.time.as_ref().is_some_and(|time| time.courant.is_none())
+        && let Some(time) = &mut time
+        && bodies.iter().flatten().any(|body| !materials.has_strength(body.material))
+    {
+        time.courant = time.courant.min(crate::defaults::COURANT);
+    }
     let regions: Vec<_> = raw.region.iter().map(|r| region(r, &body_names, dimensions, problems)).collect();
     let walled = boundary::Walled {
         spacing,

@@ -299,10 +299,10 @@ fn share(given: &Given<Number>, problems: &mut Problems) -> Option<f64> {
     given.within(Bound::Between(0.0, 1.0), problems)
 }
 
-/// End of the run and time step.
-pub(crate) fn time(raw: &RawTime, problems: &mut Problems) -> Option<TimeControl> {
+/// End of the run and time step; `usual` is the Courant number of the method.
+pub(crate) fn time(raw: &RawTime, usual: f64, problems: &mut Problems) -> Option<TimeControl> {
     let end = raw.end.as_ref().and_then(|end| end.positive(problems));
-    let courant = or_default!(raw.courant, defaults::COURANT, |c| share(c, problems));
+    let courant = or_default!(raw.courant, usual, |c| share(c, problems));
     let max_step = or_default!(raw.max_step, None, |s: &Given<_>| s.positive(problems).map(Some));
     let fixed_step = or_default!(raw.fixed_step, None, |s: &Given<_>| s.positive(problems).map(Some));
     let stop = or_default!(raw.stop_kinetic_fraction, None, |s: &Given<Number>| {

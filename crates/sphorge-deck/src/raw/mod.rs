@@ -100,7 +100,7 @@ tables! {
         /// Time at which the run ends.
         end: Option<Given<Time>>, or fault, example "60 us";
         /// Courant number, on the longitudinal sound speed plus |mu|; above 0, at most 1.
-        courant: Option<Given<Number>>, example 0.3, default 0.3;
+        courant: Option<Given<Number>>, example 0.3, otherwise "0.45 in the total Lagrangian form where all bodies have strength and `faces` are linear, else 0.3";
         /// Upper bound of the time step.
         max_step: Option<Given<Time>>, example "10 ns", otherwise "none";
         /// Time step to use instead of the stable one. The stable one is `courant` of the limit; a fixed step may use up this margin, where accuracy and in the end stability are lost without a word, and beyond the limit itself the run stops: compare with half the step. Steps are shortened to end at frames and at the end of the run, not for rows of the history; `max-step` bounds a fixed step, too.

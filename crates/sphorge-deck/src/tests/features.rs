@@ -138,6 +138,37 @@ fn model(text: &str) -> Model {
 }
 
 #[test]
+fn the_courant_number_is_that_of_the_form_unless_it_is_given() {
+    let courant = |overrides: &[(&str, &str)]| {
+        let overrides: Vec<_> = overrides.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+        let plate = crate::decks::find("iron-plate").unwrap().text;
+        load_text("iron-plate", plate, &overrides).unwrap_or_else(|report| panic!("{report}")).model.time.courant
+    };
+    assert_eq!(courant(&[]), 0.45);
+    for method in ["updated-lagrangian", "patino", "fraser"] {
+        assert_eq!(courant(&[("method", method)]), 0.3, "{method}");
+    }
+    // Its own form goes before that of the method.
+    assert_eq!(courant(&[("method", "patino"), ("search", "total-lagrangian")]), 0.45);
+    assert_eq!(courant(&[("search", "skin")]), 0.3);
+    // Gradients that are exact at faces are stiffer there: a foot tears at 0.45.
+    let quadratic = ("search", "{ total-lagrangian = { faces = \"quadratic\" } }");
+    assert_eq!(courant(&[quadratic]), 0.3);
+    assert_eq!(courant(&[("time.courant", "0.2")]), 0.2);
+    let water = [
+        ("body.bar.material", "\"water\""),
+        ("material.water.density", "\"1 g/cm^3\""),
+        (
+            "material.water.equation-of-state",
+            "{ mie-gruneisen = { sound-speed = \"1500 m/s\", shock-slope = 1.9, gruneisen = 0.1 } }",
+        ),
+        ("material.water.strength", "\"none\""),
+    ];
+    assert_eq!(courant(&water), 0.3);
+    assert_eq!(courant(&[&water[..], &[("time.courant", "0.4")]].concat()), 0.4);
+}
+
+#[test]
 fn numerics_time_and_output_arrive() {
     let model = model(THREE);
     let wanted = Numerics {

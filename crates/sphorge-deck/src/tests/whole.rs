@@ -38,7 +38,7 @@ fn stated_defaults_are_the_real_ones() {
         "particles",
         "numerics",
         "numerics.viscosity",
-        "time",
+        "time.step-control",
         "output",
         "wall.soft.contact.penalty",
         "symmetry.0",

@@ -48,6 +48,14 @@ fn bodies_that_may_meet_step_no_farther_than_at_a_courant_number_of_a_third() {
         let share = first(PLATES, courant) / usual;
         assert!((share - 1.0).abs() < 1e-9, "{courant}: {share}");
     }
+    // Walls press facets as other bodies do, points as they may.
+    let walled = |surfaces: &str| {
+        format!(
+            "{alone}\n[[wall]]\nname = \"wall\"\nplane = {{ point = [\"30 mm\"], normal = [-1] }}\ncontact = {{ penalty = {{ surfaces = \"{surfaces}\" }} }}\n"
+        )
+    };
+    assert!((first(&walled("facets"), "0.45") / usual - 1.0).abs() < 1e-9);
+    assert!((first(&walled("particles"), "0.45") / usual - 1.5).abs() < 1e-9);
     // A body that is alone is bound by waves only, and a smaller number is what it is.
     assert!((first(alone, "0.45") / first(alone, "0.3") - 1.5).abs() < 1e-9);
     assert!((first(PLATES, "0.1") / usual - 1.0 / 3.0).abs() < 1e-9);

@@ -3,11 +3,11 @@
 use super::setup::{run_steps, simulation};
 use sphorge::engine::Simulation;
 
-/// An elastic block that is left to itself or rests on a slope.
+/// An elastic block that is left to itself or rests on a slope. Its steps are those of bodies that may meet, alone or not.
 const BLOCK: &str = r#"
 dimensions = "plane-strain"
 particles = { spacing = "1 mm" }
-time = { end = "8 ms" }
+time = { end = "8 ms", courant = 0.3 }
 
 [material.steel]
 density = "7850 kg/m^3"

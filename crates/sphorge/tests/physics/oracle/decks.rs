@@ -671,8 +671,12 @@ pub(super) const FACES: &[Case] = &[
 ];
 
 /// A cell that is renewed because it has melted. What yields at no stress at all yields by rounding, so the last digits are lost.
-pub(super) const LIQUID: &[Case] =
-    &[case("total lagrangian, renewed where it is liquid", CELL, &[TOTAL, SHEARED_FAST, MELTED], 92)];
+pub(super) const LIQUID: &[Case] = &[case(
+    "total lagrangian, renewed where it is liquid",
+    CELL,
+    &[TOTAL, SHEARED_FAST, MELTED, ("time.courant", "0.3")],
+    92,
+)];
 
 /// Cases for every search: bodies that meet, flow and turn.
 pub(super) const SEARCHED: &[Case] = &[
