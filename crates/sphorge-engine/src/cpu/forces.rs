@@ -89,7 +89,7 @@ fn symmetric<L: Lanes, const F: usize>(record: &[L; F], at: usize) -> SymmetricT
 /// Corrected records, the first eight of their nine entries at a time: records of eight entries are transposed by
 /// shuffles.
 #[inline(always)]
-fn gather_corrected<L: Lanes>(records: &[[L::Element; CORRECTED_LEN]], indices: &[u32]) -> Tensor<L> {
+pub(super) fn gather_corrected<L: Lanes>(records: &[[L::Element; CORRECTED_LEN]], indices: &[u32]) -> Tensor<L> {
     let [a, b, c, d, e, f, g, h]: [L; 8] = L::gather_part(records, indices, 0);
     let [i]: [L; 1] = L::gather_part(records, indices, 8);
     [[a, b, c], [d, e, f], [g, h, i]]
@@ -97,7 +97,7 @@ fn gather_corrected<L: Lanes>(records: &[[L::Element; CORRECTED_LEN]], indices: 
 
 /// A corrected record in every lane.
 #[inline(always)]
-fn splat_corrected<L: Lanes>(record: &[L::Element; CORRECTED_LEN]) -> Tensor<L> {
+pub(super) fn splat_corrected<L: Lanes>(record: &[L::Element; CORRECTED_LEN]) -> Tensor<L> {
     let [a, b, c, d, e, f, g, h, i] = splat_record(record);
     [[a, b, c], [d, e, f], [g, h, i]]
 }

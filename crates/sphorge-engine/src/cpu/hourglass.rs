@@ -1,7 +1,8 @@
-//! Hourglass control of the total Lagrangian form: gathers the neighbours and adds up their springs. The formulas are
-//! in [`sphorge_physics::hourglass`].
+//! Hourglass control of the total Lagrangian form: gathers the neighbours and adds up their springs, in the same loop as the stresses where nothing else
+//! acts along pairs. The formulas are in [`sphorge_physics::hourglass`] and [`sphorge_physics::pair`].
 
 use super::CpuEngine;
+use super::forces::{gather_corrected, splat_corrected};
 use super::inner::Rows;
 use super::kinematics::{PairConstants, own_scale, scale_with};
 use super::records::kinematic::{self, H, V, WEIGHT, X};
@@ -14,23 +15,38 @@ use crate::neighbors::{BLOCK, Block};
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::hourglass::{Counted, Misfit, Spring, SpringSums};
+use sphorge_physics::pair::{EnergySplit, ForceSums, PairForm, corrected_stress_vector, momentum_factor};
 use sphorge_physics::{Dimension, Tensor, Vector, tensor};
 
-struct HourglassJob<'a, T, const D: usize> {
-    kinematic: &'a [[T; kinematic::LEN]],
-    records: &'a [[T; entry::LEN]],
+/// Sums of one particle over its springs, still without the factor `V_i / m_i`, and of its stresses in the same loop.
+#[derive(Clone, Copy)]
+struct RowSums<T> {
+    springs: SpringSums<T>,
+    stresses: ForceSums<T>,
+}
+
+impl<T: PairScalar> RowSums<T> {
+    fn zero() -> Self {
+        Self { springs: SpringSums::zero(), stresses: ForceSums::zero() }
+    }
+}
+
+/// The sums of a block of particles; with `STRESS` also those of the stresses.
+struct HourglassJob<'a, T, const D: usize, const STRESS: bool> {
+    records: &'a Records<T>,
     first: usize,
     block: &'a Block,
     constants: &'a PairConstants<T>,
-    sums: &'a mut [SpringSums<T>; BLOCK],
+    split: EnergySplit,
+    sums: &'a mut [RowSums<T>; BLOCK],
 }
 
-impl<T: PairScalar, const D: usize> Job<T> for HourglassJob<'_, T, D> {
+impl<T: PairScalar, const D: usize, const STRESS: bool> Job<T> for HourglassJob<'_, T, D, STRESS> {
     #[inline(always)]
     fn run<L: Lanes<Element = T>>(self) {
         let mut springs = [Springs::zero(); BATCH];
         for k in 0..self.block.len() {
-            self.sums[k] = hourglass_row::<L, D>(&self, k, &mut springs);
+            self.sums[k] = hourglass_row::<L, D, STRESS>(&self, k, &mut springs);
         }
     }
 }
@@ -80,23 +96,25 @@ pub(super) fn relative_displacement<L: Lanes>(own: &[L; entry::LEN], other: &[L;
 
 /// Row `k` of a block, in two short passes, so that the processor works on many pairs at a time.
 #[inline(always)]
-fn hourglass_row<L: Lanes, const D: usize>(
-    job: &HourglassJob<'_, L::Element, D>,
+fn hourglass_row<L: Lanes, const D: usize, const STRESS: bool>(
+    job: &HourglassJob<'_, L::Element, D, STRESS>,
     k: usize,
     springs: &mut [Springs<L>; BATCH],
-) -> SpringSums<L::Element> {
-    let own = job.first + k;
-    let initial_i: [L; kinematic::LEN] = splat_record(&job.kinematic[own]);
-    let record_i: [L; entry::LEN] = splat_record(&job.records[own]);
+) -> RowSums<L::Element> {
+    let (own, records) = (job.first + k, job.records);
+    let initial_i: [L; kinematic::LEN] = splat_record(&records.kinematic[own]);
+    let record_i: [L; entry::LEN] = splat_record(&records.hourglass[own]);
     let (gradient_i, stiffness_i) = (displacement_gradient(&record_i), record_i[entry::STIFFNESS]);
-    let scale_i = own_scale::<L, D>(job.constants, job.kinematic[own][H]);
+    let stress_i = if STRESS { splat_corrected(&records.corrected[own]) } else { [[L::zero(); 3]; 3] };
+    let scale_i = own_scale::<L, D>(job.constants, records.kinematic[own][H]);
     let unit = L::splat(job.constants.unit);
     let kernel = job.constants.kernel;
-    let mut sums = SpringSums::<L>::zero();
+    let (mut sums, mut stresses) = (SpringSums::<L>::zero(), ForceSums::<L>::zero());
     for indices in job.block.padded_row(k, L::WIDTH).chunks(BATCH * L::WIDTH) {
-        for (pair, indices) in springs.iter_mut().zip(indices.chunks_exact(L::WIDTH)) {
-            let initial_j = L::gather(job.kinematic, indices);
-            let record_j = L::gather(job.records, indices);
+        let vectors = indices.chunks_exact(L::WIDTH);
+        for (pair, indices) in springs.iter_mut().zip(vectors.clone()) {
+            let initial_j = L::gather(&records.kinematic, indices);
+            let record_j = L::gather(&records.hourglass, indices);
             let (mut initial, mut u) = ([L::zero(); 3], [L::zero(); 3]);
             for a in 0..D {
                 initial[a] = L::difference(initial_i[X + a], initial_j[X + a], unit);
@@ -107,21 +125,31 @@ fn hourglass_row<L: Lanes, const D: usize>(
             pair.push = pair.misfit.push::<D>(stiffness_i, record_j[entry::STIFFNESS]);
             (pair.h, pair.volume) = (initial_j[H], initial_j[WEIGHT]);
         }
-        for pair in &springs[..indices.len() / L::WIDTH] {
+        for (pair, indices) in springs.iter().zip(vectors) {
             let scale = scale_with::<L, D>(scale_i, job.constants, pair.h);
             let (q, inverse_q) = scale.reduced_distance(pair.misfit.initial2);
-            let weight = -scale.weighted(pair.volume).f(kernel.dw_over_q_by(q, inverse_q));
-            sums.add::<D>(&pair.misfit, &pair.push, &pair.v, weight);
+            let weighted_f = scale.weighted(pair.volume).f(kernel.dw_over_q_by(q, inverse_q));
+            sums.add::<D>(&pair.misfit, &pair.push, &pair.v, -weighted_f);
+            if STRESS {
+                let x = &pair.misfit.initial;
+                let own_stress = corrected_stress_vector::<L, D>(&stress_i, x);
+                let other_stress = corrected_stress_vector::<L, D>(&gather_corrected(&records.corrected, indices), x);
+                stresses.add_stress::<D>(job.split, (&own_stress, &other_stress), &pair.v, weighted_f);
+            }
         }
     }
-    let mut sum = SpringSums { closing: sums.closing.sum(), misfit2: sums.misfit2.sum(), ..SpringSums::zero() };
-    for a in 0..D {
-        sum.acceleration[a] = sums.acceleration[a].sum();
-        for b in 0..D {
-            sum.moment[a][b] = sums.moment[a][b].sum();
-        }
+    let ([ax, ay, az], [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]]) = (sums.acceleration, sums.moment);
+    let mut row = RowSums::zero();
+    let [ax, ay, az, closing, misfit2, xx, xy, xz, yx, yy, yz, zx, zy, zz] =
+        L::sums([ax, ay, az, sums.closing, sums.misfit2, xx, xy, xz, yx, yy, yz, zx, zy, zz]);
+    row.springs =
+        SpringSums { acceleration: [ax, ay, az], closing, misfit2, moment: [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]] };
+    if STRESS {
+        let [x, y, z] = stresses.acceleration;
+        let [x, y, z, stress_power] = L::sums([x, y, z, stresses.stress_power]);
+        row.stresses = ForceSums { acceleration: [x, y, z], stress_power, ..ForceSums::zero() };
     }
-    sum
+    row
 }
 
 /// The sums of a block of particles over rows of it.
@@ -130,14 +158,14 @@ struct SpringSweep<'a, T> {
     constants: &'a PairConstants<T>,
     instructions: Instructions,
     dimension: Dimension,
+    split: EnergySplit,
 }
 
 impl<T: PairScalar> SpringSweep<'_, T> {
-    fn block(&self, b: usize, block: &Block, sums: &mut [SpringSums<T>; BLOCK]) {
-        let Records { kinematic, hourglass: records, .. } = self.records;
-        let (first, constants) = (b * BLOCK, self.constants);
+    fn block<const STRESS: bool>(&self, b: usize, block: &Block, sums: &mut [RowSums<T>; BLOCK]) {
+        let (records, first, constants, split) = (self.records, b * BLOCK, self.constants, self.split);
         dispatch_dimension!(self.dimension, |D| {
-            run(self.instructions, HourglassJob::<T, D> { kinematic, records, first, block, constants, sums });
+            run(self.instructions, HourglassJob::<T, D, STRESS> { records, first, block, constants, split, sums });
         });
     }
 }
@@ -179,27 +207,40 @@ impl<T: PairScalar> CpuEngine<T> {
         SpringLaw::of(&self.model).is_some()
     }
 
+    /// Whether their loop sums stresses as well: where no other terms act along pairs, at volumes of the reference configuration.
+    pub(super) fn sums_stress_with_springs(&self) -> bool {
+        self.has_springs()
+            && self.records.extra.is_empty()
+            && self.lists.stored.is_none()
+            && self.model.numerics.pair_form == PairForm::VolumeWeighted
+    }
+
+    fn spring_sweep(&self) -> SpringSweep<'_, T> {
+        SpringSweep {
+            records: &self.records,
+            constants: &self.constants,
+            instructions: self.instructions,
+            dimension: super::dimension(&self.model),
+            split: self.model.numerics.energy_split,
+        }
+    }
+
     /// Adds the forces of the springs of some pairs of block `b`, as last evaluated, N.
     pub(super) fn add_hourglass_forces(&self, b: usize, rows: &Block, forces: &mut [Vector<f64>]) {
         if self.records.hourglass.is_empty() {
             return;
         }
-        let springs = SpringSweep {
-            records: &self.records,
-            constants: &self.constants,
-            instructions: self.instructions,
-            dimension: super::dimension(&self.model),
-        };
-        let mut sums = [SpringSums::zero(); BLOCK];
-        springs.block(b, rows, &mut sums);
+        let mut sums = [RowSums::zero(); BLOCK];
+        self.spring_sweep().block::<false>(b, rows, &mut sums);
         for (k, force) in forces.iter_mut().enumerate() {
+            let springs = &sums[k].springs;
             for a in 0..3 {
-                force[a] += self.particles.reference_volume[b * BLOCK + k] * sums[k].acceleration[a].to_f64();
+                force[a] += self.particles.reference_volume[b * BLOCK + k] * springs.acceleration[a].to_f64();
             }
         }
     }
 
-    /// Adds the hourglass forces to acceleration and energy rate.
+    /// Adds the hourglass forces to acceleration and energy rate, or gives them together with those of the stresses.
     ///
     /// In single precision the deformation gradient drifts from the fit to the neighbours, by some 1e-8, and springs
     /// would turn the body. The moment that they have then is therefore given to the stress of the next force sum. It is
@@ -209,15 +250,18 @@ impl<T: PairScalar> CpuEngine<T> {
             return;
         }
         self.pack_displacements(rows);
+        let with_stress = self.sums_stress_with_springs();
         let inner = &self.inner;
         let list = &self.lists.list;
-        let springs = SpringSweep {
+        let sweep = SpringSweep {
             records: &self.records,
             constants: &self.constants,
             instructions: self.instructions,
             dimension: super::dimension(&self.model),
+            split: self.model.numerics.energy_split,
         };
-        let (records, per_dimension) = (&self.records.hourglass, 1.0 / springs.dimension.count() as f64);
+        let Records { kinematic, hourglass: records, .. } = &self.records;
+        let per_dimension = 1.0 / sweep.dimension.count() as f64;
         let Particles {
             acceleration,
             energy_rate,
@@ -242,24 +286,35 @@ impl<T: PairScalar> CpuEngine<T> {
             .enumerate()
             .filter(|(b, _)| inner.is_summed_in(*b, rows))
             .for_each(|(b, (acceleration, energy_rate, misfit, moment, power))| {
-                let mut sums = [SpringSums::zero(); BLOCK];
-                springs.block(b, &list.blocks()[b], &mut sums);
+                let mut sums = [RowSums::zero(); BLOCK];
+                if with_stress {
+                    sweep.block::<true>(b, &list.blocks()[b], &mut sums);
+                    for k in 0..acceleration.len() {
+                        let i = b * BLOCK + k;
+                        let stresses = &sums[k].stresses;
+                        let outer = momentum_factor(PairForm::VolumeWeighted, mass[i], kinematic[i][WEIGHT].to_f64());
+                        acceleration[k] = stresses.acceleration.map(|a| a.to_f64() * outer);
+                        energy_rate[k] = stresses.stress_power.to_f64() * outer;
+                    }
+                } else {
+                    sweep.block::<false>(b, &list.blocks()[b], &mut sums);
+                }
                 *power = 0.0;
                 for k in 0..acceleration.len() {
                     let i = b * BLOCK + k;
-                    let factor = volume[i] / mass[i];
+                    let (factor, sums) = (volume[i] / mass[i], &sums[k].springs);
                     for a in 0..3 {
-                        acceleration[k][a] += factor * sums[k].acceleration[a].to_f64();
+                        acceleration[k][a] += factor * sums.acceleration[a].to_f64();
                     }
-                    let own_power = sums[k].energy_rate(records[i][entry::STIFFNESS]).to_f64();
+                    let own_power = sums.energy_rate(records[i][entry::STIFFNESS]).to_f64();
                     energy_rate[k] += factor * own_power;
                     // The stress of the moment has worked in the momentum sum.
                     let rate = tensor::multiply(&velocity_gradient[i], &deformation[i]);
                     let turned = rate.as_flattened().iter().zip(moment[k].as_flattened()).map(|(f, m)| f * m);
                     *power += volume[i] * (own_power + turned.sum::<f64>());
-                    misfit[k] = per_dimension * sums[k].misfit2.to_f64();
+                    misfit[k] = per_dimension * sums.misfit2.to_f64();
                     let half = 0.5 * records[i][entry::STIFFNESS].to_f64();
-                    moment[k] = sums[k].moment.map(|row| row.map(|m| half * m.to_f64()));
+                    moment[k] = sums.moment.map(|row| row.map(|m| half * m.to_f64()));
                 }
             });
     }

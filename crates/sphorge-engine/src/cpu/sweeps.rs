@@ -189,8 +189,11 @@ impl<T: PairScalar> CpuEngine<T> {
         (0..rows.len()).map(force).collect()
     }
 
-    /// Acceleration by pair forces, energy rate, XSPH velocity.
+    /// Acceleration by pair forces, energy rate, XSPH velocity, unless the loop over springs sums them.
     pub(super) fn sum_forces(&mut self, rows: Rows) {
+        if self.sums_stress_with_springs() {
+            return;
+        }
         let numerics = &self.model.numerics;
         let pair_form = numerics.pair_form;
         let viscosity_of_pairs = self.formulation.pair_viscosity(&self.model).is_some();

@@ -21,6 +21,17 @@ pub enum EnergySplit {
     Symmetric,
 }
 
+impl EnergySplit {
+    /// The part of the stress vector of a pair whose work is that of the particle itself, `own` being its own part.
+    #[inline(always)]
+    fn share<T: Real>(self, own: T, of_pair: T) -> T {
+        match self {
+            Self::OwnStress => own,
+            Self::Symmetric => of_pair * T::of(0.5),
+        }
+    }
+}
+
 /// What a neighbour brings to the sums. Stress vectors are those of scaled stresses, in Pa m or Pa m^7/kg^2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairForce<T> {
@@ -84,6 +95,25 @@ impl<T: Real> ForceSums<T> {
         self.stress_power + share_of_power(self.viscous_power + self.repulsive_power)
     }
 
+    /// Adds what the stress vectors of a particle and its neighbour bring along the `D` axes computed in, where nothing else acts: the same as
+    /// [`Self::add`] without artificial stress and viscosity. `v` and `weighted_f` are those of [`PairForce`].
+    #[inline(always)]
+    pub fn add_stress<const D: usize>(
+        &mut self,
+        split: EnergySplit,
+        (own_stress, other_stress): (&Vector<T>, &Vector<T>),
+        v: &Vector<T>,
+        weighted_f: T,
+    ) {
+        let mut of_stress = T::zero();
+        for a in 0..D {
+            let stress = own_stress[a] + other_stress[a];
+            self.acceleration[a] = stress.mul_add(weighted_f, self.acceleration[a]);
+            of_stress = split.share(own_stress[a], stress).mul_add(v[a], of_stress);
+        }
+        self.stress_power -= of_stress * weighted_f;
+    }
+
     /// Adds a neighbour along the `D` axes computed in.
     #[inline(always)]
     pub fn add<const D: usize>(&mut self, split: EnergySplit, pair: &PairForce<T>) {
@@ -92,11 +122,7 @@ impl<T: Real> ForceSums<T> {
             let artificial = pair.artificial_stress[a] - pair.pi * pair.x[a];
             let stress = pair.own_stress[a] + pair.other_stress[a];
             self.acceleration[a] = (stress + artificial).mul_add(pair.weighted_f, self.acceleration[a]);
-            let share = match split {
-                EnergySplit::OwnStress => pair.own_stress[a],
-                EnergySplit::Symmetric => stress * T::of(0.5),
-            };
-            of_stress = share.mul_add(pair.v[a], of_stress);
+            of_stress = split.share(pair.own_stress[a], stress).mul_add(pair.v[a], of_stress);
             of_repulsion = pair.artificial_stress[a].mul_add(pair.v[a], of_repulsion);
         }
         // The work is that of v_j - v_i: the sign of v_ij is turned.
@@ -188,6 +214,19 @@ mod tests {
         sums.add::<2>(EnergySplit::OwnStress, &pair());
         let acceleration = [0.0, -2.5, 0.0];
         assert_eq!(sums, ForceSums { acceleration, stress_power: 3.0, viscous_power: 1.0, repulsive_power: -7.0 });
+    }
+
+    #[test]
+    fn stresses_alone_bring_what_they_bring_with_nothing_else() {
+        for split in [EnergySplit::OwnStress, EnergySplit::Symmetric] {
+            let alone = PairForce { artificial_stress: [0.0; 3], pi: 0.0, ..pair() };
+            let (mut sums, mut expected) = (ForceSums::zero(), ForceSums::zero());
+            expected.add::<3>(split, &alone);
+            sums.add_stress::<3>(split, (&alone.own_stress, &alone.other_stress), &alone.v, alone.weighted_f);
+            // (5, 4, 11) times -0.5.
+            assert_eq!(sums.acceleration, [-2.5, -2.0, -5.5]);
+            assert_eq!(sums, expected, "{split:?}");
+        }
     }
 
     #[test]
