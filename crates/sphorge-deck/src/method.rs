@@ -23,7 +23,7 @@ pub(crate) struct Choices {
     pub(crate) wall: WallContactKind,
     /// Linear and quadratic constant of the artificial viscosity.
     pub(crate) viscosity: (f64, f64),
-    /// That of shocks along pairs.
+    /// That of shocks along pairs where bodies meet fast.
     pub(crate) viscosity_of_shocks: f64,
     /// Arrangement of the particles of bodies that rings can fill.
     pub(crate) round: Arrangement,

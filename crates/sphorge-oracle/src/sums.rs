@@ -360,17 +360,13 @@ impl Oracle {
             if self.total_lagrangian().is_some() {
                 let h = h * smallest_stretch(&self.deformation[i]);
                 let divergence = l[0][0] + l[1][1] + l[2][2];
-                let acts = match numerics.viscosity_of_shocks > 0.0 {
-                    true => self.share[i] * self.share_in_shocks(i, h),
-                    false => self.share[i],
-                };
-                let q = acts * bulk_viscosity(self.viscosity(), divergence, rho, c, h);
-                self.impedance[i] = acts * c * self.p.mass[i] / self.initial_volume[i];
+                let in_shocks = if numerics.viscosity_of_shocks > 0.0 { self.share_in_shocks(i, h) } else { 1.0 };
+                let q = self.share[i] * bulk_viscosity(self.viscosity(), divergence, rho, c, h);
+                self.impedance[i] = self.share[i] * in_shocks * c * self.p.mass[i] / self.initial_volume[i];
                 let (linear, quadratic) =
                     (numerics.viscosity_alpha * c, numerics.viscosity_beta * h * (-divergence).max(0.0));
                 let pairs = 4.8 * numerics.viscosity_of_shocks * c / self.p.smoothing_length[i];
-                let share = if numerics.viscosity_of_shocks > 0.0 { self.share_in_shocks(i, h) } else { 1.0 };
-                self.damping_rate[i] = share * (0.6 * (linear + 2.0 * quadratic) / h + pairs);
+                self.damping_rate[i] = 0.6 * (linear + 2.0 * quadratic) / h + in_shocks * pairs;
                 pressure += q;
                 // The kicks of the step take half of it with the pressure before and half with the one after.
                 let mean = 0.5 * (std::mem::replace(&mut self.viscous_pressure[i], q) + q);

@@ -29,7 +29,7 @@ fn case(kind: WarningKind) -> Option<Case> {
         WarningKind::NegativeEnergy => of("negative-energy", "lower `time.courant`", ("time.courant", "0.1")),
         WarningKind::HourglassWork => {
             let key = "search.total-lagrangian.hourglass";
-            of("hourglass-work", "lower `search.total-lagrangian.hourglass`", (key, "1.25"))
+            of("hourglass-work", "lower `search.total-lagrangian.hourglass`", (key, "0.5"))
         }
         WarningKind::Integration => of("integration", "lower `time.courant`", ("time.courant", "0.3")),
         WarningKind::Cold => of("time-step", "lower `time.courant`", ("time.courant", "0.3")),

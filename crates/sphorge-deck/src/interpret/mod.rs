@@ -4,6 +4,7 @@ mod body;
 mod boundary;
 mod cloud;
 mod contact;
+mod fast;
 mod limits;
 mod material;
 mod measure;
@@ -341,7 +342,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
             ));
         }
     }
-    let model = Model {
+    let mut model = Model {
         title: title?,
         name: name.to_owned(),
         dimensions,
@@ -367,6 +368,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         sections: sections?,
         warnings: warnings?,
     };
+    model.numerics.viscosity_of_shocks = fast::viscosity_of_shocks(&raw.numerics, usual.viscosity_of_shocks, &model);
     Some(Interpreted { model, places, notes, catalogue_notes })
 }
 

@@ -115,26 +115,24 @@ fn smoothing_length(
     Some(SmoothingLength::FollowDensity { factor: factor? })
 }
 
-/// Linear and quadratic constant, Balsara's switch, and the constant of shocks.
+/// Viscosity of shocks where bodies meet slowly ([`super::fast`]).
+const SLOW: f64 = 0.0;
+
+/// Linear and quadratic constant, Balsara's switch, and the constant of shocks where a deck gives it.
 fn viscosity(raw: &RawNumerics, usual: &Choices, problems: &mut Problems) -> Option<(f64, f64, bool, f64)> {
     let (default_alpha, default_beta) = usual.viscosity;
-    let default_shocks = usual.viscosity_of_shocks;
     let table = match &raw.viscosity {
-        None => return Some((default_alpha, default_beta, false, default_shocks)),
+        None => return Some((default_alpha, default_beta, false, SLOW)),
         Some(ScalarOr::Scalar(flag)) => {
             let on = flag.get(problems)?;
-            return Some(if on {
-                (default_alpha, default_beta, false, default_shocks)
-            } else {
-                (0.0, 0.0, false, 0.0)
-            });
+            return Some(if on { (default_alpha, default_beta, false, SLOW) } else { (0.0, 0.0, false, SLOW) });
         }
         Some(ScalarOr::Composed(table, _)) => table,
     };
     let alpha = or_default!(table.alpha, default_alpha, |a: &Given<Number>| a.within(Bound::NonNegative, problems));
     let beta = or_default!(table.beta, default_beta, |b: &Given<Number>| b.within(Bound::NonNegative, problems));
     let balsara = or_default!(table.balsara, false, |b: &crate::value::Flag| b.get(problems));
-    let shocks = or_default!(table.shocks, default_shocks, |s: &Given<Number>| s
+    let shocks = or_default!(table.shocks, SLOW, |s: &Given<Number>| s
         .within(Bound::Between(0.0, MOST_VISCOSITY_OF_SHOCKS), problems));
     Some((alpha?, beta?, balsara?, shocks?))
 }

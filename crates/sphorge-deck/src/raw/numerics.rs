@@ -52,8 +52,8 @@ tables! {
         alpha: Option<Given<Number>>, example 0.2, otherwise "0.1 in the total Lagrangian form, else 1.0";
         /// Quadratic coefficient.
         beta: Option<Given<Number>>, example 4.0, otherwise "8.0 in the total Lagrangian form, else 1.0";
-        /// Linear coefficient of the viscosity of shocks along pairs, up to 10, in the total Lagrangian form. Where it is above 0, all viscosity acts in shocks alone: waves are not damped.
-        shocks: Option<Given<Number>>, example 0.5, default 0.0;
+        /// Linear coefficient of the viscosity of shocks along pairs, up to 10, in the total Lagrangian form. It acts in shocks alone.
+        shocks: Option<Given<Number>>, example 0.5, otherwise "0.5 in the total Lagrangian form where bodies approach each other, walls or symmetry planes at an eighth of the sound speed and more, 0 below 0.115 of it and where `alpha` or `beta` are given";
         /// Balsara's switch: less viscosity in shear.
         balsara: Option<Flag>, example true, default false;
     }

@@ -169,6 +169,64 @@ fn the_courant_number_is_that_of_the_form_unless_it_is_given() {
 }
 
 #[test]
+fn viscosity_of_shocks_acts_where_bodies_meet_fast_unless_the_deck_gives_viscosity() {
+    const PLATES: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+time = { end = "1 us" }
+[[body]]
+name = "flyer"
+material = "copper-shock"
+shape = { box = { min = ["0 mm", "0 mm"], max = ["4 mm", "4 mm"] } }
+velocity = ["100 m/s", "0 m/s"]
+[[body]]
+name = "target"
+material = "copper-shock"
+shape = { box = { min = ["4 mm", "0 mm"], max = ["8 mm", "4 mm"] } }
+"#;
+    let shocks = |text: &str, overrides: &[(&str, &str)]| {
+        let overrides: Vec<_> = overrides.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+        load_text("plates", text, &overrides)
+            .unwrap_or_else(|report| panic!("{report}"))
+            .model
+            .numerics
+            .viscosity_of_shocks
+    };
+    let velocity = "body.flyer.velocity";
+    // Copper has 3940 m/s: 0.115 and 0.125 of it are 453 and 493 m/s, 0.12 is 473.
+    assert_eq!(shocks(PLATES, &[(velocity, "[\"450 m/s\", 0]")]), 0.0);
+    assert_eq!(shocks(PLATES, &[(velocity, "[\"500 m/s\", 0]")]), 0.5);
+    assert!((shocks(PLATES, &[(velocity, "[\"472.8 m/s\", 0]")]) - 0.25).abs() < 1e-9);
+    let fast = (velocity, "[\"0 m/s\", \"1 km/s\"]");
+    assert_eq!(shocks(PLATES, &[fast]), 0.5);
+    // In any frame.
+    let along = ("body.target.velocity", "[\"0 m/s\", \"1 km/s\"]");
+    assert_eq!(shocks(PLATES, &[fast, along]), 0.0);
+    for given in ["numerics.viscosity.alpha", "numerics.viscosity.beta", "numerics.viscosity.shocks"] {
+        assert_eq!(
+            shocks(PLATES, &[fast, (given, "0.25")]),
+            if given.ends_with("shocks") { 0.25 } else { 0.0 },
+            "{given}"
+        );
+    }
+    assert_eq!(shocks(PLATES, &[fast, ("numerics.viscosity", "false")]), 0.0);
+    assert_eq!(shocks(PLATES, &[fast, ("numerics.viscosity", "true")]), 0.5);
+    assert_eq!(shocks(PLATES, &[fast, ("method", "updated-lagrangian")]), 0.0);
+    // What is rigid counts as it is approached: the same velocity along a wall is none.
+    let alone = PLATES.split("[[body]]\nname = \"target\"").next().unwrap();
+    let wall = "[[wall]]\nname = \"w\"\nplane = { point = [\"-9 mm\", 0], normal = [1, 0] }\n";
+    for rest in [wall, "[[symmetry]]\naxis = \"x\"\n"] {
+        let deck = format!("{alone}{rest}");
+        assert_eq!(shocks(&deck, &[fast]), 0.0, "{rest}");
+        assert_eq!(shocks(&deck, &[(velocity, "[\"-1 km/s\", 0]")]), 0.5, "{rest}");
+        assert_eq!(shocks(&deck, &[(velocity, "[\"1 km/s\", 0]")]), 0.0, "{rest}");
+    }
+    let driven = "[[region]]\nname = \"end\"\nshape = { box = { min = [\"0 mm\", \"0 mm\"], max = [\"1 mm\", \"4 mm\"] } }\n\
+                  [[motion]]\nregion = \"end\"\nvelocity = [\"1 km/s\", \"0 m/s\"]\n";
+    assert_eq!(shocks(&format!("{alone}{driven}"), &[]), 0.5);
+}
+
+#[test]
 fn numerics_time_and_output_arrive() {
     let model = model(THREE);
     let wanted = Numerics {

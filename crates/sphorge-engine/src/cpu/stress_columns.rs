@@ -36,9 +36,9 @@ pub(super) struct StressColumns {
     pub(super) integrity: [f64; BLOCK],
     /// Of viscous pressure that is borne; only where some material breaks.
     pub(super) share: [f64; BLOCK],
-    /// Of the viscosity that acts; only where it acts in shocks alone.
+    /// Of the viscosity of shocks that acts, if there is one.
     pub(super) shock_share: [f64; BLOCK],
-    /// Density at rest, kg/m³; only where viscosity acts in shocks alone.
+    /// Density at rest, kg/m³; only where there is viscosity of shocks.
     pub(super) initial_density: [f64; BLOCK],
     pub(super) pressure: [f64; BLOCK],
     pub(super) sound_speed: [f64; BLOCK],
@@ -104,7 +104,6 @@ impl StressColumns {
         for (k, (mass, pressure)) in masses.iter().zip(pressures).enumerate() {
             let (divergence, density) = (self.divergence[k], self.density[k]);
             let share = if form.breaks { self.share[k] } else { 1.0 };
-            let share = if form.shocks.is_some() { share * self.shock_share[k] } else { share };
             let q =
                 share * bulk_viscosity(parameters, divergence, density, self.sound_speed[k], self.smoothing_length[k]);
             power += mass * bulk_viscous_power(0.5 * (*pressure + q), divergence, density);
@@ -113,8 +112,8 @@ impl StressColumns {
         power
     }
 
-    /// Finds the shares of the viscosity that act where it acts in shocks alone, and how fast it damps particles, 1/s. `inputs` have smoothing lengths at rest, the
-    /// columns compressed ones.
+    /// Finds the shares of the viscosity of shocks that act, and how fast all viscosity damps particles, 1/s. `inputs` have smoothing lengths at rest, the columns
+    /// compressed ones.
     pub(super) fn find_shocks(
         &mut self,
         form: &StressForm,
@@ -242,7 +241,7 @@ pub(super) struct StressForm {
     pub(super) pair_form: PairForm,
     /// If viscosity is a pressure of the particle.
     pub(super) bulk_viscosity: Option<ViscosityParameters<f64>>,
-    /// Strength of the viscosity of shocks, if all viscosity acts in shocks alone.
+    /// Strength of the viscosity of shocks, if there is one.
     pub(super) shocks: Option<f64>,
     /// Whether there is artificial stress.
     pub(super) artificial_stress: bool,
@@ -269,10 +268,7 @@ impl<T: PairScalar> Job<f64> for PackStress<'_, T> {
             if let Some(p) = form.bulk_viscosity {
                 let p = ViscosityParameters { alpha: L::splat(p.alpha), beta: L::splat(p.beta) };
                 let (divergence, h) = (L::load(&columns.divergence[k..]), L::load(&columns.smoothing_length[k..]));
-                let mut viscous = bulk_viscosity(p, divergence, density, sound_speed, h);
-                if form.shocks.is_some() {
-                    viscous = viscous * L::load(&columns.shock_share[k..]);
-                }
+                let viscous = bulk_viscosity(p, divergence, density, sound_speed, h);
                 pressure += if form.breaks { viscous * L::load(&columns.share[k..]) } else { viscous };
             }
             let mut deviator = [L::zero(); 6];

@@ -29,7 +29,7 @@ pub(super) trait Formulation<T: PairScalar>: Sync {
     fn pair_viscosity(&self, model: &Model) -> Option<ViscosityParameters<f64>>;
     /// Viscosity as a pressure of the particle.
     fn bulk_viscosity(&self, model: &Model) -> Option<ViscosityParameters<f64>>;
-    /// Strength of the viscosity of shocks along pairs, if all viscosity acts in shocks alone.
+    /// Strength of the viscosity of shocks along pairs, if there is one.
     fn viscosity_of_shocks(&self, model: &Model) -> Option<f64>;
 
     /// Packs the data of particles that the velocity gradient reads.

@@ -447,10 +447,9 @@ impl<'a> Point<'a> {
         let mu = shortest * (-divergence).max(Recorded::zero());
         let rate = damping_rate(parameters, shocks, in_shocks, sound_speed, mu, shortest, initial);
         stretch.damping_rate.set(i, rate);
-        let share = share * in_shocks;
         if numerics.viscosity_of_shocks > 0.0 {
             let at_rest = constants.mass.get(i) / groups::Reference::read(bind).volume.high().get(i);
-            stretch.impedance.set(i, share * sound_speed * at_rest);
+            stretch.impedance.set(i, share * in_shocks * sound_speed * at_rest);
         }
         let q = share * bulk_viscosity(parameters, divergence, rho, sound_speed, shortest);
         let power = bulk_viscous_power(mean(stretch.bulk_viscosity.get(i), q), divergence, rho);
