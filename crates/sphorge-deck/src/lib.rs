@@ -5,6 +5,7 @@
 
 mod advice;
 mod argument;
+mod bonds;
 mod choice;
 mod closeness;
 pub mod decks;

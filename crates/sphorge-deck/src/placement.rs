@@ -10,7 +10,7 @@ use sphorge_engine::geometry::{
 use sphorge_engine::model::{Arrangement, Dimensions, LatticePlacement, Model, Solid};
 
 /// A length for people.
-fn millimetres(length: f64) -> String {
+pub(crate) fn millimetres(length: f64) -> String {
     // Round-off has no sign.
     format!("{:.4} mm", (length * 1e7).round() / 1e4 + 0.0)
 }
@@ -133,6 +133,12 @@ pub(crate) fn notes(model: &Model, particles: &Particles, masses: &[FilledMass])
     if more > 0 {
         notes.push(format!("{more} more bodies do not fit their spacing"));
     }
+    let is_known = |body: usize, plane: usize| {
+        layers
+            .iter()
+            .any(|layer| layer.body == body && matches!(layer.plane, BoundingPlane::Symmetry(of) if of == plane))
+    };
+    notes.extend(crate::bonds::notes(model, particles, is_known));
     notes
 }
 

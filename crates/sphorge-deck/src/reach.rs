@@ -1,5 +1,6 @@
 //! Bodies that are on their way to nothing, or do not get there before the end. Said by `sphorge check` and `sphorge run`.
 
+use crate::bonds::reach;
 use sphorge_engine::Particles;
 use sphorge_engine::model::{Model, MotionAxis, TimeTable, WallSurface};
 
@@ -70,7 +71,14 @@ pub(crate) fn ways(model: &Model, particles: &Particles) -> Vec<String> {
             }
             for plane in &model.symmetry {
                 let along = |value: f64| std::array::from_fn(|a| if a == plane.axis { value } else { 0.0 });
-                let meeting = bodies[k].meets_plane(along(plane.position), along(plane.side), [0.0; 3], near);
+                // What is near enough to its image is bound to it, wherever it moves.
+                let bond = bodies[k].meets_plane(
+                    along(plane.position),
+                    along(plane.side),
+                    bodies[k].velocity,
+                    reach(model, k),
+                );
+                let meeting = bodies[k].meets_plane(along(plane.position), along(plane.side), [0.0; 3], near).or(bond);
                 meet(meeting, "a symmetry plane".to_owned(), None);
             }
         }
