@@ -169,7 +169,7 @@ impl Oracle {
                 }
                 if self.material(i).is_brittle() {
                     // Springs have the root of it.
-                    self.yielded_stretch[i] = self.yielded_stretch[i].min(self.integrity[i].powi(2));
+                    self.yielded_stretch[i] = self.yielded_stretch[i].min(self.integrity[i].powi(64));
                 }
                 let l = deform(&mut self.deformation[i], &gradient, self.dt);
                 self.p.velocity_gradient[i] = l;
@@ -303,9 +303,16 @@ impl Oracle {
             return SymmetricTensor::zero();
         }
         let after = return_mapping(m.return_rule, &m.flow_law, shear, trial, state, history, dt);
+        // While a crack opens the solid is not sheared more than before.
+        let opened = match m.opens_without_shear() && borne.integrity < before {
+            true => {
+                (of_whole.double_dot(of_whole) / after.deviator.double_dot(after.deviator).max(1e-38)).sqrt().min(1.0)
+            }
+            false => 1.0,
+        };
         if !commit {
             bear(&mut p.pressure[i], &mut self.share[i], borne.integrity);
-            return after.deviator * borne.integrity;
+            return after.deviator * (borne.integrity * opened);
         }
         let step = after.step(state, dt);
         m.flow_law.evolve(&step, history);
@@ -322,7 +329,7 @@ impl Oracle {
             }
             bear(&mut p.pressure[i], &mut self.share[i], borne.integrity);
         }
-        let deviator = after.deviator * borne.integrity;
+        let deviator = after.deviator * (borne.integrity * opened);
         p.deviator[i] = deviator;
         self.integrity[i] = borne.integrity;
         let plastic_work = before * after.plastic_work;

@@ -8,7 +8,7 @@ use crate::neighbors::{BLOCK, PAD};
 use sphorge_physics::damage::{Before, KEPT};
 use sphorge_physics::eos::ColdEnergy;
 use sphorge_physics::flow::{FlowLaw, FlowState, FlowStep};
-use sphorge_physics::integrity::smeared_width;
+use sphorge_physics::integrity::{share_while_opening, smeared_width};
 use sphorge_physics::return_mapping::{Returned, return_mapping_near};
 use sphorge_physics::{SymmetricTensor, heat};
 
@@ -92,7 +92,7 @@ impl<'a> FlowColumns<'a> {
             run(step.instructions, ReturnToYield { flow: self, step, columns, particles, left });
         }
         if step.breaks {
-            self.sever(step, columns, particles.material);
+            self.sever(step, columns, particles);
         }
     }
 
@@ -144,7 +144,8 @@ impl<'a> FlowColumns<'a> {
 
     /// Takes from the deviators what has been lost of the integrity in the step, and from the pressures what damaged material does not bear.
     #[inline(always)]
-    fn sever(&mut self, step: &StressStep<'_>, columns: &mut StressColumns, of: &[u32]) {
+    fn sever(&mut self, step: &StressStep<'_>, columns: &mut StressColumns, particles: &ElasticInputs<'_>) {
+        let of = particles.material;
         for k in 0..of.len() {
             let (before, after) = (columns.integrity_before[k], columns.integrity[k]);
             let material = of[k] as usize;
@@ -167,7 +168,13 @@ impl<'a> FlowColumns<'a> {
                 }
             }
             if after < before {
-                columns.set_deviator(k, columns.deviator_of(k) * (after / before));
+                let deviator = columns.deviator_of(k);
+                let opened = if step.materials[material].opens_without_shear() {
+                    share_while_opening((particles.deviator[k], before), (deviator, after))
+                } else {
+                    1.0
+                };
+                columns.set_deviator(k, deviator * (opened * (after / before)));
                 if let (true, Some(place)) = (step.commit, Self::place_of_integrity(step, k, of)) {
                     self.history[place] = after;
                     // That of an elastic law is infinite.

@@ -98,6 +98,14 @@ impl Material {
         self.spalls() || self.damage.is_some()
     }
 
+    /// Whether strain that opens a crack does not shear the solid beside it
+    /// ([`share_while_opening`](sphorge_physics::integrity::share_while_opening)): where the material spalls by its pressure alone. Hyperelastic
+    /// deviators are those of all of the deformation.
+    #[inline(always)]
+    pub fn opens_without_shear(&self) -> bool {
+        self.spalls() && self.damage.is_none() && !self.flow_law.is_hyperelastic()
+    }
+
     /// Whether yield stress, history or damage can change in a step without plastic flow at a constant temperature.
     #[inline(always)]
     pub fn changes_without_flow(&self) -> bool {
@@ -150,7 +158,7 @@ impl Material {
     }
 
     /// Whether the material loses its integrity without ever yielding. Hourglass springs soften with the yield stress, which damage lowers; those
-    /// of brittle material have none, and would pull across a crack until its particles are severed, so they are as stiff as its integrity says.
+    /// of brittle material have none, and would pull across a crack until its particles are severed, so they soften with its integrity.
     pub fn is_brittle(&self) -> bool {
         self.breaks() && matches!(self.flow_law, FlowLaw::Elastic(_) | FlowLaw::NeoHookean(_))
     }

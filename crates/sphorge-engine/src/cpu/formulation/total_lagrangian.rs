@@ -20,6 +20,7 @@ use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, corrected};
 use sphorge_physics::hourglass::is_fit;
+use sphorge_physics::integrity::share_of_springs;
 use sphorge_physics::thin::{Across, completed_rate, correction_of_pieces, is_thin, reference_correction};
 use sphorge_physics::total_lagrangian::{deform, density as density_of, force_tensor, smallest_stretch};
 use sphorge_physics::viscosity::{ViscosityParameters, bulk_mu};
@@ -156,7 +157,7 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
                     }
                     if has_brittle && materials[material[i] as usize].is_brittle() {
                         // Springs have the root of it.
-                        yielded[k] = yielded[k].min(history.integrity_of(i).powi(2));
+                        yielded[k] = yielded[k].min(share_of_springs(history.integrity_of(i)).powi(2));
                     }
                     l[k] = deform(&mut f[k], &rate, dt);
                     rho[k] = density_of(mass[i], volume[i], &f[k]);

@@ -14,6 +14,7 @@ use sphorge_engine::particles::HistoryVariables;
 use sphorge_physics::gradient_correction::LARGEST_COMPONENT;
 use sphorge_physics::hourglass::is_fit;
 use sphorge_physics::hyperelastic::composed;
+use sphorge_physics::integrity::share_of_springs;
 use sphorge_physics::pair::GradientSums;
 use sphorge_physics::tensor::{identity, multiply, plus};
 use sphorge_physics::thin::{Across, completed_rate, correction_of_pieces, is_thin, reference_correction};
@@ -297,7 +298,8 @@ pub(in crate::engine) fn deform<const D: usize>(
         let brittle = integrity_within(bind, model, Material::is_brittle, i);
         // Springs have the root of it.
         let least = brittle.map_or(least, |(integrity, within)| {
-            least.min(Recorded::select_lt(Recorded::zero(), within, integrity * integrity, Recorded::one()))
+            let share = share_of_springs(integrity);
+            least.min(Recorded::select_lt(Recorded::zero(), within, share * share, Recorded::one()))
         });
         springs.least_stretch.set(i, left * least);
         let too_far = |bound: f64| {

@@ -16,7 +16,7 @@ use sphorge_physics::flow::{FlowState, FlowStep};
 use sphorge_physics::heat::temperature_rise_from_plastic_work;
 use sphorge_physics::hourglass::Spring;
 use sphorge_physics::hyperelastic::neo_hookean_deviator;
-use sphorge_physics::integrity::{Borne, Spall, smeared_width};
+use sphorge_physics::integrity::{Borne, Spall, share_while_opening, smeared_width};
 use sphorge_physics::pair::{mean, stress_scale};
 use sphorge_physics::return_mapping::{Returned, return_mapping_near};
 use sphorge_physics::stress::trial_deviator;
@@ -103,7 +103,8 @@ pub(in crate::engine) fn stress(
             }
             None => state,
         };
-        let elastic_share = history.take_integrity(&mut returned, borne.integrity);
+        let of_whole = material.opens_without_shear().then(|| history.whole(point.deviator.get(i)));
+        let elastic_share = history.take_integrity(&mut returned, borne.integrity, of_whole);
         point.pressures.pressure.set(i, state.pressure);
         point.pressures.sound_speed.set(i, state.sound_speed);
         point.pressures.shear_modulus.set(i, shear_modulus);
@@ -176,22 +177,39 @@ impl OfHistory {
         self.history.iter().flat_map(values).collect()
     }
 
+    /// A stored deviator as whole material would have it: a particle bears that times its integrity, and without any none.
+    fn whole(&self, stored: SymmetricTensor<Recorded>) -> SymmetricTensor<Recorded> {
+        let (before, zero) = (self.before, Recorded::zero());
+        match self.breaking {
+            Some(_) => stored * Recorded::select_lt(zero, before, Recorded::one() / before, zero),
+            None => stored,
+        }
+    }
+
     /// Takes from what a return mapping found what the particle does not bear; returns by what the deviator is to be
-    /// multiplied in the energy of whole material.
-    fn take_integrity(&self, returned: &mut Returned<Recorded>, integrity: Recorded) -> Recorded {
+    /// multiplied in the energy of whole material. `of_whole` is that of whole material before the step, if it does not grow while the particle opens.
+    fn take_integrity(
+        &self,
+        returned: &mut Returned<Recorded>,
+        integrity: Recorded,
+        of_whole: Option<SymmetricTensor<Recorded>>,
+    ) -> Recorded {
         if self.breaking.is_none() {
             return Recorded::one();
         }
+        let opened = of_whole
+            .map_or(Recorded::one(), |was| share_while_opening((was, self.before), (returned.deviator, integrity)));
         let (before, zero) = (self.before, Recorded::zero());
         let is_severed =
             |severed: Recorded, bears: Recorded| Recorded::select_lt(Recorded::zero(), before, bears, severed);
-        returned.deviator = returned.deviator * is_severed(zero, integrity);
+        returned.deviator = returned.deviator * is_severed(zero, integrity * opened);
         returned.plastic_work = returned.plastic_work * before;
         returned.plastic_strain_increment = is_severed(zero, returned.plastic_strain_increment);
         // That of an elastic law is infinite.
         let left = Recorded::select_lt(zero, integrity, returned.yield_stress * integrity, zero);
         returned.yield_stress = is_severed(zero, left);
-        Recorded::select_lt(zero, integrity, Recorded::one() / integrity, zero)
+        let borne = integrity * opened;
+        Recorded::select_lt(zero, borne, Recorded::one() / borne, zero)
     }
 }
 
@@ -259,14 +277,7 @@ impl<'a> Point<'a> {
         shear_modulus: Recorded,
     ) -> SymmetricTensor<Recorded> {
         let stored = self.deviator.get(self.i);
-        // A particle of that integrity bears the stress of whole material times it, and one without any none.
-        let of_whole = match history.breaking {
-            Some(_) => {
-                let (before, zero) = (history.before, Recorded::zero());
-                stored * Recorded::select_lt(zero, before, Recorded::one() / before, zero)
-            }
-            None => stored,
-        };
+        let of_whole = history.whole(stored);
         if self.material.flow_law.is_hyperelastic() {
             neo_hookean_deviator(&Deformations::of(bind, references).displacement_gradient(self.i), shear_modulus)
         } else {
