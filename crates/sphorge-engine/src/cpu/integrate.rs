@@ -111,6 +111,11 @@ impl ExternalSums {
         self.partial.resize(count.div_ceil(BLOCK), Moved::default());
     }
 
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        size_of::<Moved>() * self.partial.capacity()
+    }
+
     /// Adds up the blocks, over all ranks if there are several; returns the largest displacement of any particle, m.
     fn close(&mut self, domain: Option<&Domain>) -> Result<f64, RunFailure> {
         let all = domain.map(|domain| domain.gather_blocks(&self.partial, 1)).transpose()?;

@@ -566,6 +566,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         let domain = self.domain.as_ref().map_or(0, Domain::bytes);
         let ghosts = ghosts + self.inner.bytes() + self.face_sums.as_ref().map_or(0, FaceSums::bytes);
         let contacts = contacts + self.facets_on_walls.as_ref().map_or(0, FacetsOnWalls::bytes);
+        let contacts = contacts + self.walls.bytes() + self.external.bytes();
         (self.particles.bytes() + ghosts + contacts + heat + domain + self.lists.bytes() + self.records.bytes()) as u64
     }
 }

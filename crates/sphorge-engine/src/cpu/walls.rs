@@ -92,6 +92,12 @@ impl Walls {
         }
     }
 
+    /// Bytes held for blocks of particles.
+    pub(super) fn bytes(&self) -> usize {
+        size_of::<WallLedger>() * self.powers.capacity()
+            + size_of::<f64>() * (self.at_faces.capacity() + self.limits.capacity())
+    }
+
     /// Moves the walls to their positions at `time`.
     pub(super) fn move_to(&mut self, time: f64) {
         for state in &mut self.states {
