@@ -2,6 +2,7 @@
 
 use super::fault::{Fault, Problems};
 use super::interpret::SourceSpans;
+use super::suggest::listed;
 use sphorge_engine::Particles;
 use sphorge_engine::geometry::{HeatFaces, ReferenceFacets, faces_by_direction};
 use sphorge_engine::model::{Dimensions, HeatBoundary, HeatBoundaryKind, Material, Model};
@@ -17,9 +18,55 @@ pub(crate) fn check_faces(model: &Model, particles: &Particles, places: &SourceS
     }
 }
 
-/// What a user should know of the heat of a deck.
-pub(crate) fn notes(model: &Model, particles: &Particles) -> Vec<String> {
-    side_faces(model, particles).into_iter().chain(without_expansion(model)).collect()
+/// What a user should know of the heat of a deck, given the names of materials that do not state their conductivity.
+pub(crate) fn notes(model: &Model, particles: &Particles, without_conductivity: &[String]) -> Vec<String> {
+    let of_materials =
+        (0..model.materials.len()).filter_map(|m| no_conduction(model, particles, m, without_conductivity));
+    of_materials.chain(side_faces(model, particles)).chain(without_expansion(model)).collect()
+}
+
+/// A material without conductivity, where heat is to flow: it takes none of surroundings, either. One whose conductivity of zero is stated
+/// is an insulator, told only of boundaries that act on nothing else.
+fn no_conduction(
+    model: &Model,
+    particles: &Particles,
+    index: usize,
+    without_conductivity: &[String],
+) -> Option<String> {
+    let (material, thermal) = (&model.materials[index], &model.thermal);
+    if !thermal.conduction || material.conductivity > 0.0 {
+        return None;
+    }
+    let name = &material.name;
+    let is_stated = !without_conductivity.contains(name);
+    let needs_it = |boundary: &&HeatBoundary| {
+        matches!(boundary.kind, HeatBoundaryKind::SurfaceTemperature(_) | HeatBoundaryKind::Convection { .. })
+    };
+    let without_effect = |boundary: &&HeatBoundary| {
+        let claimed = (0..particles.len()).filter(|&i| boundary.claims(particles.body[i], particles.regions[i]));
+        let mut materials = claimed.map(|i| particles.material[i] as usize).peekable();
+        let conducts = |m: usize| model.materials[m].conductivity > 0.0;
+        // Of several insulators the first tells of it.
+        match is_stated {
+            true => materials.peek() == Some(&index) && !materials.any(conducts),
+            false => materials.any(|m| m == index),
+        }
+    };
+    let boundaries = thermal.boundaries.iter().filter(needs_it).filter(without_effect);
+    let names: Vec<&str> = boundaries.map(|boundary| boundary.name.as_str()).collect();
+    if is_stated && names.is_empty() {
+        return None;
+    }
+    let what = match names.len() {
+        0 => "no heat flows between its particles, or into other bodies".to_owned(),
+        1 => format!("no heat flows into its bodies through heat boundary {}", listed(names, "or")),
+        _ => format!("no heat flows into its bodies through heat boundaries {}", listed(names, "or")),
+    };
+    let lacks = if is_stated { "has a `conductivity` of zero" } else { "has no `conductivity`" };
+    let unless = if is_stated { "" } else { ", or `conductivity = 0` if that is meant" };
+    Some(format!(
+        "material `{name}` {lacks}: {what}; add `conductivity = \"80 W/(m K)\"` with the right value to [material.{name}]{unless}"
+    ))
 }
 
 /// Share of the largest area by direction that is rounding.

@@ -190,7 +190,8 @@ pub(super) fn read(
         deck_text = changed;
     }
     let mut problems = Problems::new(&shown, &deck_text).with_folder(folder.unwrap_or(Path::new("")));
-    let Interpreted { model, places, mut notes, catalogue_notes } = read_model(name, &mut problems)?;
+    let Interpreted { model, places, mut notes, catalogue_notes, without_conductivity } =
+        read_model(name, &mut problems)?;
     match geometry::fill(&model, most_particles) {
         Ok(particles) => {
             placement::check_tracers(&model, &particles, &places, &mut problems);
@@ -201,7 +202,7 @@ pub(super) fn read(
             notes.extend(placement::notes(&model, &particles, &masses));
             notes.extend(slips(&model, &particles));
             notes.extend(advice::doubts(&model, &particles));
-            notes.extend(heat::notes(&model, &particles));
+            notes.extend(heat::notes(&model, &particles, &without_conductivity));
             notes.extend(closeness::notes(&model, &particles));
             notes.extend(quarters::notes(&model, &particles));
             let mut notes_unless_driven: Vec<String> = driven::note(&deck_text).into_iter().collect();

@@ -134,10 +134,22 @@ impl Library {
     }
 }
 
+/// A material that a body uses.
+struct Used {
+    name: String,
+    /// `None` if it could not be built.
+    material: Option<Material>,
+    /// Where a body names it first.
+    at: Range<usize>,
+    /// Whether some of its constants could not be read: what it then lacks is told already.
+    is_spoiled: bool,
+    states_conductivity: bool,
+}
+
 /// The materials the bodies use, in order of first use.
 pub(crate) struct Chosen<'a> {
     library: &'a Library,
-    chosen: Vec<(String, Option<Material>, Range<usize>)>,
+    chosen: Vec<Used>,
     /// Place of each among them.
     indices: HashMap<String, usize>,
     /// What the user should know of them.
@@ -182,7 +194,9 @@ impl<'a> Chosen<'a> {
         let notes = if own.is_some() { &mut self.notes } else { &mut self.catalogue_notes };
         notes.extend(material.iter().flat_map(|material| advice(&constants, material)));
         self.indices.insert(name.to_owned(), self.chosen.len());
-        self.chosen.push((name.to_owned(), material, word.span()));
+        let states_conductivity = constants.conductivity.is_some();
+        let used = Used { name: name.to_owned(), material, at: word.span(), is_spoiled, states_conductivity };
+        self.chosen.push(used);
         Some(self.chosen.len() - 1)
     }
 
@@ -192,10 +206,10 @@ impl<'a> Chosen<'a> {
         if self.lacks_some || self.chosen.is_empty() {
             return;
         }
-        let used = || self.chosen.iter().map(|(name, ..)| name.as_str());
+        let used = || self.chosen.iter().map(|used| used.name.as_str());
         // Those that others are based on count with them.
         let mut reached: BTreeSet<&str> = used().collect();
-        for (name, ..) in &self.chosen {
+        for Used { name, .. } in &self.chosen {
             let mut next = self.library.own.get(name);
             while let Some(base) = next.and_then(|own| own.base.as_deref()) {
                 next = if reached.insert(base) { self.library.own.get(base) } else { None };
@@ -240,17 +254,17 @@ impl<'a> Chosen<'a> {
 
     /// Whether a material resists shear.
     pub(crate) fn has_strength(&self, index: usize) -> bool {
-        self.chosen[index].1.as_ref().is_some_and(|m| m.shear_modulus > 0.0)
+        self.chosen[index].material.as_ref().is_some_and(|m| m.shear_modulus > 0.0)
     }
 
     /// Temperature bodies of this material start at, if the material could be built.
     pub(crate) fn reference_temperature(&self, index: usize) -> Option<f64> {
-        self.chosen[index].1.as_ref().map(|m| m.reference_temperature)
+        self.chosen[index].material.as_ref().map(|m| m.reference_temperature)
     }
 
     /// Reports materials without a specific heat, which `what` needs.
     pub(crate) fn need_specific_heat(&self, what: &str, problems: &mut Problems) {
-        for (name, material, at) in &self.chosen {
+        for Used { name, material, at, .. } in &self.chosen {
             if material.as_ref().is_some_and(|m| !m.heats()) {
                 let message = format!("material `{name}` has no `specific-heat`, and {what} needs it");
                 let fault = Fault::new("missing-constant", message, at.clone(), "used here");
@@ -263,8 +277,9 @@ impl<'a> Chosen<'a> {
     /// Reports what conduction lacks. Bodies that do not move need one that conducts: it sets the time step.
     pub(crate) fn need_conduction(&self, mechanics: bool, at: Range<usize>, problems: &mut Problems) {
         self.need_specific_heat("conduction", problems);
-        let built = || self.chosen.iter().map(|(_, material, _)| material.as_ref());
-        if !mechanics && !self.chosen.is_empty() && built().all(|m| m.is_some_and(|m| m.conductivity == 0.0)) {
+        let conducts_not =
+            |used: &Used| !used.is_spoiled && used.material.as_ref().is_some_and(|m| m.conductivity == 0.0);
+        if !mechanics && !self.chosen.is_empty() && self.chosen.iter().all(conducts_not) {
             let fault = Fault::new("missing-constant", "no material conducts, so no heat flows", at, "asked for here");
             problems.push(
                 fault
@@ -274,9 +289,15 @@ impl<'a> Chosen<'a> {
         }
     }
 
+    /// Those whose conductivity is zero because nothing states it.
+    pub(crate) fn without_conductivity(&self) -> Vec<String> {
+        let without = self.chosen.iter().filter(|used| !used.states_conductivity);
+        without.map(|used| used.name.clone()).collect()
+    }
+
     /// Reports materials with a law of the deformation gradient, which the updated Lagrangian form does not have.
     pub(crate) fn refuse_hyperelastic(&self, problems: &mut Problems) {
-        for (name, material, at) in &self.chosen {
+        for Used { name, material, at, .. } in &self.chosen {
             if let Some(law) = material.as_ref().map(|m| m.flow_law).filter(FlowLaw::is_hyperelastic) {
                 let message = format!(
                     "`strength = \"{}\"` of material `{name}` needs the deformation gradient, which only the total Lagrangian form has",
@@ -301,7 +322,7 @@ impl<'a> Chosen<'a> {
 
     /// All of them; those with faults are left out.
     pub(crate) fn into_materials(self) -> Vec<Material> {
-        self.chosen.into_iter().filter_map(|(_, material, _)| material).collect()
+        self.chosen.into_iter().filter_map(|used| used.material).collect()
     }
 }
 

@@ -224,6 +224,8 @@ pub(crate) struct Interpreted {
     pub(crate) notes: Vec<String>,
     /// The same of materials of the catalogue as they are.
     pub(crate) catalogue_notes: Vec<String>,
+    /// Names of materials whose conductivity is zero because nothing states it.
+    pub(crate) without_conductivity: Vec<String>,
 }
 
 /// Interprets a deck; `None` only with faults in `problems`.
@@ -325,6 +327,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     let dropped = strategy.zip(numerics.as_mut()).and_then(|(strategy, n)| strategy.normalise(n));
     let mut notes = materials.notes().to_vec();
     let catalogue_notes = materials.catalogue_notes().to_vec();
+    let without_conductivity = materials.without_conductivity();
     notes.extend(dropped);
     let used_by = "no motion, measure, tracer or heat boundary";
     notes.extend(
@@ -369,7 +372,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         warnings: warnings?,
     };
     model.numerics.viscosity_of_shocks = fast::viscosity_of_shocks(&raw.numerics, usual.viscosity_of_shocks, &model);
-    Some(Interpreted { model, places, notes, catalogue_notes })
+    Some(Interpreted { model, places, notes, catalogue_notes, without_conductivity })
 }
 
 /// Choices that exclude each other.

@@ -156,3 +156,43 @@ fn heat_that_does_not_expand_is_told() {
     let gruneisen = "shear-modulus = 8e10\nequation-of-state = { mie-gruneisen = { sound-speed = 12000, shock-slope = 1.5, gruneisen = 2 } }";
     assert!(notes(&block(named, gruneisen, true)).iter().all(|note| !note.contains("expand")));
 }
+
+/// Two blocks, of which the first conducts and the second has these constants more.
+fn two_blocks(constants: &str, boundaries: &str) -> Vec<String> {
+    let block = |name: &str, low: u32, high: u32| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmaterial = \"{name}\"\nvelocity = [1, 0]\nshape = {{ box = {{ min = [\"{low} mm\", 0], max = [\"{high} mm\", \
+             \"50 mm\"] }} }}\n[material.{name}]\ndensity = 1000\nyoung-modulus = 200e9\npoisson-ratio = 0.3\nspecific-heat = 500\nstrength = \
+             \"elastic\"\n"
+        )
+    };
+    let deck = format!(
+        "dimensions = \"plane-strain\"\nparticles = {{ spacing = \"5 mm\" }}\ntime = {{ end = \"1 ms\" }}\n[thermal]\n{boundaries}{}conductivity = \
+         80\n{}{constants}\n",
+        block("copper", 0, 50),
+        block("wool", 60, 110)
+    );
+    notes(&deck).into_iter().filter(|note| note.contains("conductivity")).collect()
+}
+
+#[test]
+fn a_material_that_heat_does_not_enter_is_told() {
+    let air = |of: &str| {
+        format!("[[thermal.boundary]]\nname = \"air\"\n{of}convection = {{ coefficient = 500, ambient = 300 }}\n")
+    };
+    let (all, copper, wool) = (air(""), air("body = \"copper\"\n"), air("body = \"wool\"\n"));
+    for (boundaries, words) in [
+        ("", "`wool` has no `conductivity`: no heat flows between its particles"),
+        (copper.as_str(), "`wool` has no `conductivity`: no heat flows between its particles"),
+        (all.as_str(), "`wool` has no `conductivity`: no heat flows into its bodies through heat boundary `air`;"),
+        (wool.as_str(), "`wool` has no `conductivity`: no heat flows into its bodies through heat boundary `air`;"),
+    ] {
+        let told = two_blocks("", boundaries);
+        assert!(told.len() == 1 && told[0].contains(words), "{boundaries}: {told:?}");
+        assert_eq!(two_blocks("conductivity = 0.04", boundaries), [""; 0], "{boundaries}");
+        // One that is stated is meant, but not where a boundary is to heat it.
+        let told = two_blocks("conductivity = 0", boundaries);
+        assert_eq!(told.len(), usize::from(boundaries == wool), "{boundaries}: {told:?}");
+        assert!(told.iter().all(|note| note.contains("has a `conductivity` of zero: no heat flows into")), "{told:?}");
+    }
+}
