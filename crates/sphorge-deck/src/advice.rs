@@ -265,7 +265,8 @@ fn beyond_metals(model: &Model, particles: &Particles) -> Vec<String> {
     }
     let mut notes = Vec::new();
     for (body, squared) in model.bodies.iter().zip(fastest) {
-        let (speed, sound) = (squared.sqrt(), model.materials[body.material].equation_of_state.reference_sound_speed());
+        let material = &model.materials[body.material];
+        let (speed, sound) = (squared.sqrt(), material.equation_of_state.reference_sound_speed());
         if speed > FASTEST * sound {
             notes.push(format!(
                 "body `{}` starts at {speed:.3e} m/s, {:.0} times its speed of sound, beyond the range of the material laws: check the unit",
@@ -277,6 +278,13 @@ fn beyond_metals(model: &Model, particles: &Particles) -> Vec<String> {
             notes.push(format!(
                 "body `{}` starts at {:.3e} K, far above the boiling point of any metal: check the unit",
                 body.name, body.temperature
+            ));
+        } else if let Some(melting) =
+            material.flow_law.melting_temperature().filter(|melting| body.temperature >= *melting)
+        {
+            notes.push(format!(
+                "body `{}` starts at {:.1} K, at or above the melting temperature of material `{}`, {melting:.1} K: it has no strength; check the units",
+                body.name, body.temperature, material.name
             ));
         }
     }
@@ -460,6 +468,18 @@ mod tests {
         assert!(notes("body.bar.velocity.1", "-300 km/s").contains("times its speed of sound"));
         assert!(!notes("body.bar.velocity.1", "-6 km/s").contains("times its speed of sound"));
         assert!(notes("body.bar.temperature", "20000 K").contains("boiling point of any metal"));
+        // That of the deck melts at no temperature; copper at 1356 K.
+        assert!(!notes("body.bar.temperature", "1400 K").contains("melting"));
+        let copper = |temperature: &str| {
+            let changes = [("body.bar.temperature", temperature), ("body.bar.material", "ofhc-copper")];
+            let changes = changes.map(|(path, value)| (path.to_owned(), value.to_owned()));
+            load_text("copper", decks::find("iron-plate").unwrap().text, &changes).unwrap().notes.join("")
+        };
+        let told = copper("1356 K");
+        assert!(
+            told.contains("`bar` starts at 1356.0 K, at or above the melting temperature of material `ofhc-copper`")
+        );
+        assert!(!copper("1355 K").contains("melting"));
         let far = |shift: &str, precision: &str| {
             let deck = format!(
                 "dimensions = \"plane-strain\"\nparticles = {{ spacing = \"1 mm\" }}\ntime = {{ end = \"1 us\", max-steps = 1 }}\nnumerics = {{ precision = \

@@ -4,7 +4,7 @@ use super::printable::{printable, printable_in_place};
 use super::report::{DeckReport, Problem};
 use miette::NamedSource;
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeMap, BTreeSet},
     ops::Range,
     path::{Path, PathBuf},
     sync::Arc,
@@ -112,6 +112,8 @@ pub(crate) struct Problems {
     lacks_entries: bool,
     /// Whether keys that were to be set were not.
     lacks_keys: bool,
+    /// What is probably not meant, by its place.
+    doubts: BTreeMap<usize, String>,
 }
 
 impl Problems {
@@ -130,6 +132,7 @@ impl Problems {
             spoiled: BTreeSet::new(),
             lacks_entries: false,
             lacks_keys: false,
+            doubts: BTreeMap::new(),
         }
     }
 
@@ -165,6 +168,23 @@ impl Problems {
     /// A fault beyond those that are kept.
     pub(crate) fn count_another(&mut self) {
         self.more += 1;
+    }
+
+    /// Something at this place that can be read and is probably not meant; what is read twice is told once.
+    pub(crate) fn doubt(&mut self, at: &Range<usize>, note: String) {
+        if self.doubts.len() < KEPT {
+            self.doubts.insert(at.start, note);
+        }
+    }
+
+    /// What is at this place may well be meant.
+    pub(crate) fn drop_doubt(&mut self, at: &Range<usize>) {
+        self.doubts.remove(&at.start);
+    }
+
+    /// What is probably not meant so far, in the order of the text.
+    pub(crate) fn take_doubts(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.doubts).into_values().collect()
     }
 
     pub(crate) fn is_empty(&self) -> bool {

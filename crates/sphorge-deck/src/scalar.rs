@@ -11,6 +11,9 @@ use std::ops::Range;
 /// Largest magnitude of a quantity in SI units: what follows from it within a step must be a number of single precision, of which frames are made.
 const LARGEST: f64 = 1e30;
 
+/// Temperature below which nobody begins with metal, K: one below it, without a unit, is in degrees Celsius.
+const COLDEST: f64 = 150.0;
+
 /// A single value and its place.
 pub(crate) struct Scalar {
     pub(crate) literal: Literal,
@@ -72,7 +75,35 @@ impl Scalar {
             problems.push(fault.help(format!("the largest magnitude is {LARGEST:e}{unit}")));
             return None;
         }
+        if kind == QuantityKind::TEMPERATURE && (0.0..COLDEST).contains(&value) && self.has_no_unit() {
+            let note = format!(
+                "`{}` in line {} is {value} K, since a number without a unit is in SI: write \"{value} degC\" or \"{value} K\"",
+                self.with_its_key(problems.text()),
+                1 + problems.text()[..self.span.start.min(problems.text().len())].matches('\n').count()
+            );
+            problems.doubt(&self.span, note);
+        }
         Some(value)
+    }
+
+    /// Whether it is a number alone, quoted or not.
+    fn has_no_unit(&self) -> bool {
+        match &self.literal {
+            Literal::Integer(_) | Literal::Number(_) => true,
+            Literal::Text(text) => text.trim().parse::<f64>().is_ok(),
+            Literal::Boolean(_) | Literal::Date => false,
+        }
+    }
+
+    /// The value as it stands in the text, with its key where that stands before it.
+    fn with_its_key<'t>(&self, text: &'t str) -> &'t str {
+        let end = self.span.end.min(text.len());
+        let before = text.get(..self.span.start).unwrap_or_default().trim_end();
+        let key = before.strip_suffix('=').map(str::trim_end).map(|before| {
+            let is_of_key = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
+            before.trim_end_matches(is_of_key).len()
+        });
+        text.get(key.unwrap_or(self.span.start)..end).unwrap_or_default()
     }
 
     /// The value as a quantity within a bound.

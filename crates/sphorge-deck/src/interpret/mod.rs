@@ -325,7 +325,8 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         tracers: raw.tracer.iter().map(|t| t.point.span.clone()).collect(),
     };
     let dropped = strategy.zip(numerics.as_mut()).and_then(|(strategy, n)| strategy.normalise(n));
-    let mut notes = materials.notes().to_vec();
+    let mut notes = problems.take_doubts();
+    notes.extend(materials.notes().iter().cloned());
     let catalogue_notes = materials.catalogue_notes().to_vec();
     let without_conductivity = materials.without_conductivity();
     notes.extend(dropped);

@@ -36,6 +36,8 @@ pub(crate) fn limits(raw: &RawWarnings, problems: &mut Problems) -> Option<Warni
     }
     if let Some(given) = &raw.cold {
         limits.set(WarningKind::Cold, given.within(Bound::NonNegative, problems));
+        // A limit may be as low as one likes.
+        problems.drop_doubt(&given.span());
     }
     for word in raw.off.iter().flatten() {
         if let Some(kind) = word.get(problems) {

@@ -196,3 +196,29 @@ fn a_material_that_heat_does_not_enter_is_told() {
         assert!(told.iter().all(|note| note.contains("has a `conductivity` of zero: no heat flows into")), "{told:?}");
     }
 }
+
+#[test]
+fn temperatures_that_may_be_in_degrees_celsius_are_told() {
+    let deck = |body: &str, ambient: &str, constants: &str| {
+        format!(
+            "dimensions = \"plane-strain\"\nparticles = {{ spacing = \"5 mm\" }}\ntime = {{ end = \"1 ms\" }}\nwarnings = {{ cold = 100 }}\n\
+             [[thermal.boundary]]\nname = \"air\"\nconvection = {{ coefficient = 500, ambient = {ambient} }}\n[[body]]\nname = \"bar\"\nmaterial \
+             = \"ofhc-copper\"\ntemperature={body}\nvelocity = [1, 0]\nshape = {{ box = {{ min = [0, 0], max = [\"50 mm\", \"50 mm\"] }} \
+             }}\n[material.ofhc-copper]\n{constants}\n"
+        )
+    };
+    let told = |deck: &str| -> Vec<String> {
+        notes(deck).into_iter().filter(|note| note.contains("since a number without a unit is in SI")).collect()
+    };
+    let celsius = told(&deck("20", "\"0\"", "strength = { johnson-cook = { reference-temperature = 25.0 } }"));
+    let words = [
+        "`ambient = \"0\"` in line 7 is 0 K, ",
+        "`temperature=20` in line 11 is 20 K, since a number without a unit is in SI: write \"20 degC\" or \"20 K\"",
+        "`reference-temperature = 25.0` in line 15 is 25 K, ",
+    ];
+    assert_eq!(celsius.len(), words.len(), "{celsius:?}");
+    assert!(celsius.iter().zip(words).all(|(note, words)| note.starts_with(words)), "{celsius:?}");
+    for (body, ambient) in [("293", "300.0"), ("\"20 degC\"", "\"20 K\""), ("150", "\"150\"")] {
+        assert_eq!(told(&deck(body, ambient, "")), [""; 0], "{body} {ambient}");
+    }
+}
