@@ -285,3 +285,20 @@ fn cells_are_where_their_particles_are_and_as_large_as_their_share() {
     let (cells, masses): (f64, f64) = (of_rings.iter().map(volume).sum(), particles.mass.iter().sum());
     assert!((0.9..1.0).contains(&(cells * 8960.0 / masses)), "{}", cells * 8960.0 / masses);
 }
+
+#[test]
+fn a_part_of_a_solid_without_its_unit_is_filled_at_once() {
+    let bar = |radius: &str, lattice: &str| {
+        let deck = format!(
+            "dimensions = \"3d\"\nparticles = {{ spacing = \"1.6 mm\", lattice = \"{lattice}\" }}\ntime = {{ end = \"4 us\" }}\n[[body]]\nname = \
+             \"bar\"\nmaterial = \"armco-iron\"\nvelocity = [0, 0, 1]\nshape = {{ intersection = [{{ cylinder = {{ from = [0, 0, 0], to = [0, 0, \"32 \
+             mm\"], radius = {radius} }} }}, {{ box = {{ min = [0, 0, 0], max = [\"5 mm\", \"5 mm\", \"32 mm\"] }} }}] }}\n"
+        );
+        load_text("bar", &deck, &[]).unwrap().particles.len()
+    };
+    for lattice in ["rings", "square", "hexagonal"] {
+        // 5 by 5 by 32 mm, but for what the lattice does not fit.
+        let (all, within) = (bar("4", lattice), bar("\"10 mm\"", lattice));
+        assert!((150..300).contains(&all) && all.abs_diff(within) <= 40, "{lattice}: {all} {within}");
+    }
+}

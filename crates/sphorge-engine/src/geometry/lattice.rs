@@ -76,12 +76,18 @@ impl Line {
         k - (self.count - 1) / 2
     }
 
-    /// Sites from the lowest to one past the highest that is needed to reach from `low` to `high`, at least its own.
-    fn reaching(&self, low: f64, high: f64) -> (i64, i64) {
+    /// Sites from the lowest to one past the highest that can lie between `low` and `high`, m, or belong to a face there: those of a solid
+    /// lie up to half a pitch beyond its faces, and as far again in a shifted row.
+    fn between(&self, low: f64, high: f64) -> (i64, i64) {
         let half = (self.count as f64 - 1.0) / 2.0;
         let (first, last) = ((low / self.pitch + half).floor() as i64, (high / self.pitch + half).ceil() as i64);
-        (first.min(0), last.max(self.count - 1) + 1)
+        (first.saturating_sub(2), last.saturating_add(3))
     }
+}
+
+/// The least and the largest of some numbers.
+pub(super) fn extremes(numbers: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    numbers.map(|x| (x, x)).reduce(|(low, high), (x, _)| (low.min(x), high.max(x)))
 }
 
 /// A right-handed frame whose third vector is the unit vector along `axis`; along a coordinate axis it is made of coordinate
@@ -224,13 +230,15 @@ impl<'a> Grid<'a> {
         }
     }
 
-    /// Calls `visit` with every site that could be in a box that goes from `low` to `high` along the axes of the solid's
-    /// frame, whether it belongs to the solid, and its cell.
+    /// Calls `visit` with every site that could be in a box with these corners, or with the solid's own if there are none; says whether it
+    /// belongs to the solid, and its cell.
     pub(super) fn for_each_site(&self, corners: &[[f64; 3]], mut visit: impl FnMut([f64; 3], bool, Cell)) {
         let [x, y, z]: [(i64, i64); 3] = std::array::from_fn(|a| {
+            if a >= self.dimensions.count() {
+                return (0, 1);
+            }
             let along = corners.iter().map(|&c| dot(subtract(c, self.centre), self.frame[a]));
-            let (low, high) = along.fold((0.0, 0.0), |(low, high): (f64, f64), x| (low.min(x), high.max(x)));
-            if a < self.dimensions.count() { self.lines[a].reaching(low, high) } else { (0, 1) }
+            extremes(along).map_or((0, self.lines[a].count), |(low, high)| self.lines[a].between(low, high))
         });
         for k in z.0..z.1 {
             for j in y.0..y.1 {

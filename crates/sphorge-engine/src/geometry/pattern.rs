@@ -83,7 +83,7 @@ impl Pattern {
         }
         let (solid, transform) = owner(shape);
         if self.lattice.arrangement == Arrangement::Rings && rings::can_fill(solid, self.dimensions) {
-            rings::for_each_cell(solid, self.spacing, |site, volume, cell| {
+            rings::for_each_cell(solid, self.spacing, &self.corners(shape), |site, volume, cell| {
                 let place = transform.apply(site);
                 if self.keeps(shape, place, true) {
                     visit(place, volume, cell.placed(&transform));
@@ -92,21 +92,22 @@ impl Pattern {
             return;
         }
         let grid = Grid::new(solid, self.dimensions, self.spacing, self.lattice);
-        // A single solid needs no more than its own sites.
-        let corners = match &shape.solid {
-            Solid::Composed { .. } => {
-                let (low, high) = shape.bounds(self.dimensions);
-                let corner = |k: usize| std::array::from_fn(|a| if k >> a & 1 == 0 { low[a] } else { high[a] });
-                (0..8).map(|k| transform.apply_inverse(corner(k))).collect()
-            }
-            _ => Vec::new(),
-        };
-        grid.for_each_site(&corners, |site, own, of_site| {
+        grid.for_each_site(&self.corners(shape), |site, own, of_site| {
             let place = transform.apply(site);
             if self.keeps(shape, place, own) {
                 visit(place, cell, of_site.placed(&transform));
             }
         });
+    }
+
+    /// Corners of a box about a composed shape, in the frame of the owner of its lattice; none for a single solid, which needs no more than
+    /// its own sites.
+    fn corners(&self, shape: &Shape) -> Vec<[f64; 3]> {
+        let Solid::Composed { .. } = &shape.solid else { return Vec::new() };
+        let (low, high) = shape.bounds(self.dimensions);
+        let corner = |k: usize| std::array::from_fn(|a| if k >> a & 1 == 0 { low[a] } else { high[a] });
+        let (_, transform) = owner(shape);
+        (0..8).map(|k| transform.apply_inverse(corner(k))).collect()
     }
 
     /// Whether a shape keeps a site at a point outside it, given whether the owner of the lattice keeps it.
@@ -143,7 +144,7 @@ impl Pattern {
             }
             // The same of rings.
             (Solid::Composed { .. }, Arrangement::Rings) => {
-                let sites = rings::sites(owner(shape).0, self.spacing);
+                let sites = rings::sites(owner(shape).0, self.spacing, &self.corners(shape));
                 (volume / self.spacing.powi(self.dimensions.count() as i32)).max(sites * LEAST_KEPT)
             }
             (_, Arrangement::Rings) => volume / self.spacing.powi(self.dimensions.count() as i32),
@@ -186,13 +187,112 @@ mod tests {
     }
 
     #[test]
-    fn a_sliver_of_wide_rings_counts_what_is_gone_through() {
+    fn a_part_of_wide_rings_counts_what_is_gone_through() {
         let lattice = Lattice { arrangement: Arrangement::Rings, placement: LatticePlacement::CellCentres };
         let pattern = Pattern { dimensions: Dimensions::PlaneStrain, spacing: 0.1, density: 1.0, lattice };
-        let sliver = composed(Operation::Intersection, vec![disc([0.0, 0.0], 1e6), square([0.0, 0.0], [1.0, 1.0])]);
-        assert!(pattern.estimate(&sliver) > 1e12);
-        let quarter = composed(Operation::Intersection, vec![disc([0.0, 0.0], 1.0), square([0.0, 0.0], [1.0, 1.0])]);
-        assert!(pattern.estimate(&quarter) < 90.0);
+        let part = |radius: f64, min: [f64; 2], max: [f64; 2]| {
+            composed(Operation::Intersection, vec![disc([0.0, 0.0], radius), square(min, max)])
+        };
+        // Rings about the centre as far as its ends: pi 5000^2/0.01, of which a fiftieth counts.
+        let strip = part(1e6, [-5e3, -0.2], [5e3, 0.2]);
+        assert!((pattern.estimate(&strip) / 1.57e8 - 1.0).abs() < 0.01, "{}", pattern.estimate(&strip));
+        assert!(pattern.estimate(&part(1.0, [0.0, 0.0], [1.0, 1.0])) < 90.0);
+        // However wide they are elsewhere.
+        for at in [0.0, 3e5] {
+            let corner = part(1e12, [at, at], [at + 1.0, at + 1.0]);
+            assert!((90.0..110.0).contains(&pattern.estimate(&corner)), "{}", pattern.estimate(&corner));
+            let mut volume = 0.0;
+            pattern.for_each_site(&corner, |_, of_site| volume += of_site);
+            assert!((volume - 1.0).abs() < 0.15, "{volume}");
+        }
+    }
+
+    /// All sites of the owner of the lattice, however little of it the shape has.
+    fn sites_of_all(pattern: &Pattern, shape: &Shape) -> Vec<([f64; 3], f64)> {
+        let (solid, transform) = owner(shape);
+        let mut all = Vec::new();
+        let mut visit = |site: [f64; 3], volume: f64, own: bool| {
+            let place = transform.apply(site);
+            if pattern.keeps(shape, place, own) {
+                all.push((place, volume));
+            }
+        };
+        if pattern.lattice.arrangement == Arrangement::Rings {
+            rings::for_each_cell(solid, pattern.spacing, &[], |site, volume, _| visit(site, volume, true));
+        } else {
+            let corner = |k: usize| std::array::from_fn(|a| if k >> a & 1 == 0 { -2.5 } else { 2.5 });
+            let corners: Vec<[f64; 3]> = (0..8).map(corner).collect();
+            let grid = Grid::new(solid, pattern.dimensions, pattern.spacing, pattern.lattice);
+            grid.for_each_site(&corners, |site, own, _| visit(site, 0.1f64.powi(3), own));
+        }
+        all
+    }
+
+    #[test]
+    fn a_part_of_a_lattice_is_the_same_whatever_is_gone_through() {
+        use {Arrangement::*, LatticePlacement::*, Operation::*};
+        let placed = |solid: Solid, angle: f64, shift: [f64; 3]| Shape {
+            solid,
+            transform: Transform::about_axis([0.36, 0.48, 0.8], angle, shift),
+        };
+        let block = |low: [f64; 3], high: [f64; 3]| Solid::Box { min: low, max: high };
+        let bar = || Solid::Cylinder { from: [0.0; 3], to: [0.0, 0.6, 0.8], radius: 0.63, inner_radius: 0.21 };
+        let ball = || Solid::Ball { centre: [0.1, 0.0, 0.2], radius: 0.66, inner_radius: 0.0 };
+        let mut compared = 0;
+        for angle in [0.0, 0.7] {
+            for shift in [[0.4, -0.3, 0.25], [-0.62, 0.1, 0.0]] {
+                let cut = placed(block([0.0; 3], [0.5, 0.7, 0.4]), angle, shift);
+                for first in [bar(), ball(), block([-0.33; 3], [0.52, 0.77, 0.61])] {
+                    let is_round = matches!(first, Solid::Cylinder { .. });
+                    let first = placed(first, 1.3 - angle, [0.05, 0.0, 0.0]);
+                    for operation in [Intersection, Difference, Union] {
+                        let inner = composed(operation, vec![first.clone(), cut.clone()]);
+                        let outer = composed(Intersection, vec![inner.clone(), placed(ball(), 0.0, shift)]);
+                        let nested = Shape { transform: cut.transform, ..outer };
+                        for shape in [inner, nested] {
+                            for (arrangement, placement) in [
+                                (Square, CellCentres),
+                                (Square, OnFaces),
+                                (Hexagonal, CellCentres),
+                                (Rings, CellCentres),
+                            ] {
+                                if arrangement == Rings && (!is_round || operation == Union) {
+                                    continue;
+                                }
+                                let lattice = Lattice { arrangement, placement };
+                                let pattern =
+                                    Pattern { dimensions: Dimensions::Three, spacing: 0.1, density: 1.0, lattice };
+                                let mut part = Vec::new();
+                                pattern.for_each_site(&shape, |site, volume| part.push((site, volume)));
+                                let all = sites_of_all(&pattern, &shape);
+                                let is_ring = arrangement == Rings;
+                                let same = part.len() == all.len()
+                                    && part.iter().zip(&all).all(|(a, b)| a.0 == b.0 && (!is_ring || a.1 == b.1));
+                                assert!(same, "{shape:?} {arrangement:?}: {} of {}", part.len(), all.len());
+                                compared += part.len();
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        assert!(compared > 50_000, "{compared}");
+        let plane = Pattern {
+            dimensions: Dimensions::PlaneStrain,
+            spacing: 0.1,
+            density: 1.0,
+            lattice: Lattice { arrangement: Rings, placement: CellCentres },
+        };
+        for angle in 0..24 {
+            let (sin, cos) = (f64::from(angle) * std::f64::consts::TAU / 24.0).sin_cos();
+            for (far, half) in [(0.9, 0.2), (0.5, 0.31), (0.1, 0.4), (2.5, 0.3)] {
+                let [x, y] = [far * cos, far * sin];
+                let cut = square([x - half, y - 0.1], [x + half, y + 0.1]);
+                let part = composed(Intersection, vec![disc([0.0, 0.0], 1.4), cut]);
+                let found = sites(&part, Dimensions::PlaneStrain, Rings);
+                assert_eq!(found, sites_of_all(&plane, &part), "{angle} {far}");
+            }
+        }
     }
 
     #[test]
