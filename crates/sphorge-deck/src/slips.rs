@@ -356,7 +356,10 @@ mod tests {
             &["`m`", "density of 7.850e-9 kg/m^3", "in SI"],
         );
         // With the right density, the modulus alone.
-        told(&[("\"210 GPa\"", "210000"), ("\"350 MPa\"", "350")], &["speed of sound of 4.", "in SI"]);
+        told(
+            &[("\"210 GPa\"", "210000"), ("\"350 MPa\"", "350")],
+            &["Young's modulus of 2.100e5 Pa", "\"210 GPa\" meant", "in SI"],
+        );
     }
 
     #[test]

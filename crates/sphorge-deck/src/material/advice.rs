@@ -4,17 +4,76 @@ use super::constants::Constants;
 use sphorge_engine::model::Material;
 use sphorge_physics::SymmetricTensor;
 use sphorge_physics::damage::{DamageState, Softening};
+use sphorge_physics::flow::FlowState;
 
 /// Poisson's ratios of metals: uranium has 0.20, lead 0.44. Beryllium alone has far less, 0.05.
 const OF_METALS: (f64, f64) = (0.20, 0.45);
 
-/// How far Poisson's ratio of bulk and shear modulus may be from the one a material states.
+/// How far Poisson's ratio of bulk and shear modulus may be from the one a material states, and how far where it shows which unit is meant.
 const STATED_WITHIN: f64 = 0.03;
+const STATED_NEARLY: f64 = 0.1;
 
 /// One sentence for each thing that is probably not meant.
 pub(crate) fn advice(constants: &Constants, material: &Material) -> Vec<String> {
-    let told = poisson_ratio(constants, material).into_iter().chain(temperature(material));
-    told.chain(beyond_matter(constants, material)).chain(breaking(material)).collect()
+    let slip = slip_of_unit(constants, material);
+    let odd = beyond_matter(constants, material, slip.is_some());
+    // What a wrong density or modulus leads to is not told.
+    let has_slip = slip.is_some() || odd.iter().any(|note| note.contains("that of no matter"));
+    let ratio = if has_slip { None } else { poisson_ratio(constants, material) };
+    let told = slip.into_iter().chain(ratio).chain(temperature(material));
+    told.chain(odd).chain(breaking(material)).collect()
+}
+
+/// Densities of metals, kg/m^3, from below lithium's to above osmium's.
+const DENSITIES: (f64, f64) = (400.0, 25e3);
+/// Speed of shear waves that no matter has, m/s: diamond has 12 km/s.
+const FASTEST_SHEAR: f64 = 2e4;
+/// Density from which on nothing is as soft as rubber, kg/m^3: wet soils have less.
+const HEAVY: f64 = 2500.0;
+/// Young's modulus below that of any metal, Pa: lithium has 5 GPa.
+const SOFT: f64 = 1e8;
+/// Young's moduli of metals, Pa, with room.
+const MODULI: (f64, f64) = (1e9, 7e11);
+/// Flow stress over the shear modulus that no lattice bears.
+const IDEAL_STRENGTH: f64 = 0.2;
+
+/// A density or a modulus that is one of a metal in another unit.
+fn slip_of_unit(constants: &Constants, material: &Material) -> Option<String> {
+    let (name, density, shear) = (&material.name, material.density, material.shear_modulus);
+    let within = |value: f64, (least, most): (f64, f64)| (least..=most).contains(&value);
+    if shear == 0.0 {
+        return None;
+    }
+    if within(1e3 * density, DENSITIES) && (shear / density).sqrt() > FASTEST_SHEAR {
+        return Some(format!(
+            "material `{name}`: a density of {density} kg/m^3 is that of a gas, and its shear modulus that of a solid; a number without a unit is in \
+             SI: is \"{density} g/cm^3\" meant?"
+        ));
+    }
+    let (given, modulus) = match constants.elastic.young {
+        Some(young) => ("Young's modulus", young),
+        None => ("shear modulus", shear),
+    };
+    let history: Vec<f64> = material.flow_law.history().iter().map(|variable| variable.initial).collect();
+    let yields = material.flow_law.yield_stress(FlowState::at_rest(material.reference_temperature), &history).value;
+    let bears_too_much = material.flow_law.yields() && yields.is_finite() && yields > IDEAL_STRENGTH * shear;
+    let is_soft = density >= HEAVY && 2.6 * shear < SOFT;
+    let is_odd_ratio = poisson_ratio(constants, material).is_some();
+    let stated = constants.elastic.completed().and_then(|elastic| elastic.poisson);
+    let scaled = |factor: f64| Material { shear_modulus: factor * shear, ..material.clone() };
+    let is_meant = |factor: &f64| {
+        let (least, most) = stated.map_or(OF_METALS, |nu| (nu - STATED_NEARLY, nu + STATED_NEARLY));
+        let of_metal = within(factor * 2.6 * shear, MODULI);
+        // A pressure law of its own tells what the modulus is.
+        of_metal && (!is_odd_ratio || within(ratio_of_waves(&scaled(*factor)), (least, most)))
+    };
+    let factor = [1e3, 1e6, 1e9].into_iter().find(is_meant);
+    let factor = factor.filter(|_| bears_too_much || is_soft || (is_odd_ratio && density >= DENSITIES.0))?;
+    let giga = (modulus * factor / 1e9 * 1e6).round() / 1e6;
+    Some(format!(
+        "material `{name}`: a {given} of {modulus:.3e} Pa is that of no metal with a density of {density} kg/m^3; a number without a unit is in SI: is \
+         \"{giga} GPa\" meant?"
+    ))
 }
 
 /// Largest triaxiality that is looked at: notches and the front of cracks have less.
@@ -59,7 +118,7 @@ fn breaking(material: &Material) -> Vec<String> {
 }
 
 /// Constants beyond those of any solid or liquid by a factor of ten and more, which are slips of a unit.
-fn beyond_matter(constants: &Constants, material: &Material) -> Vec<String> {
+fn beyond_matter(constants: &Constants, material: &Material, has_slip: bool) -> Vec<String> {
     let sound_speed = material.equation_of_state.reference_sound_speed();
     let heat = if material.heats() { material.specific_heat } else { 1000.0 };
     let given = |value: f64, (least, most): (f64, f64)| value == 0.0 || (least..=most).contains(&value);
@@ -72,10 +131,12 @@ fn beyond_matter(constants: &Constants, material: &Material) -> Vec<String> {
         ("reference temperature", material.reference_temperature, (0.0, 1e5), "K"),
     ];
     let odd = values.into_iter().filter(|(_, value, range, _)| !given(*value, *range));
-    // A speed of sound follows from the density.
-    let is_dense = values.iter().any(|(name, value, range, _)| *name == "density" && !given(*value, *range));
+    // A speed of sound follows from the density and the moduli.
+    let is_dense =
+        has_slip || values.iter().any(|(name, value, range, _)| *name == "density" && !given(*value, *range));
     let mut told: Vec<String> = odd
         .filter(|(name, ..)| !is_dense || *name != "speed of sound")
+        .filter(|(name, ..)| !has_slip || *name != "shear modulus")
         .map(|(name, value, _, unit)| {
             format!(
                 "material `{}`: its {name} of {value:.3e} {unit} is that of no matter: check the unit; a number without one is in SI, and steel \
@@ -96,13 +157,18 @@ fn beyond_matter(constants: &Constants, material: &Material) -> Vec<String> {
 
 /// Poisson's ratio of waves: bulk modulus `rho_0 c_0^2` of the pressure law and shear modulus `G` come from different tables, and
 /// may belong to different metals. `nu = (3 K - 2 G) / (2 (3 K + G))`.
-fn poisson_ratio(constants: &Constants, material: &Material) -> Option<String> {
+fn ratio_of_waves(material: &Material) -> f64 {
     let (bulk, shear) =
         (material.density * material.equation_of_state.reference_sound_speed().powi(2), material.shear_modulus);
-    if shear == 0.0 {
+    (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear))
+}
+
+/// That ratio where it is none of a metal, or not the one a material states.
+fn poisson_ratio(constants: &Constants, material: &Material) -> Option<String> {
+    if material.shear_modulus == 0.0 {
         return None;
     }
-    let nu = (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear));
+    let nu = ratio_of_waves(material);
     let given =
         format!("material `{}`: its pressure law and shear modulus give Poisson's ratio {nu:.2}", material.name);
     match constants.elastic.completed().and_then(|elastic| elastic.poisson) {
@@ -197,9 +263,67 @@ mod tests {
         for (name, constants) in entries() {
             // Some are of a part of the constants alone.
             if let Ok(material) = build(name, constants) {
-                assert_eq!(beyond_matter(constants, &material), Vec::<String>::new(), "{name}");
+                assert_eq!(beyond_matter(constants, &material, false), Vec::<String>::new(), "{name}");
+                assert_eq!(slip_of_unit(constants, &material), None, "{name}");
             }
         }
+    }
+
+    /// Notes on a material of a deck: density, Young's modulus, pressure law and strength as they are written.
+    fn notes_of(density: &str, young: &str, law: &str, strength: &str) -> Vec<String> {
+        let deck = format!(
+            "dimensions = \"plane-strain\"\nparticles = {{ spacing = \"1 mm\" }}\ntime = {{ end = \"1 us\", max-steps = 1 }}\n[material.m]\ndensity = \
+             {density}\nyoung-modulus = {young}\npoisson-ratio = 0.33\nequation-of-state = {law}\nstrength = {strength}\n[[body]]\nname = \"b\"\n\
+             material = \"m\"\nshape = {{ box = {{ min = [0, 0], max = [\"6 mm\", \"6 mm\"] }} }}\n"
+        );
+        let notes = crate::load_text("deck", &deck, &[]).unwrap_or_else(|report| panic!("{report}")).notes;
+        notes.into_iter().filter(|note| note.contains("material `m`")).collect()
+    }
+
+    #[test]
+    fn constants_of_metals_in_other_units_are_told_once() {
+        let linear = "\"linear\"";
+        let gruneisen = "{ mie-gruneisen = { sound-speed = \"5000 m/s\", shock-slope = 1.4, gruneisen = 2.0 } }";
+        let elastic = "\"elastic\"";
+        let yields = "{ perfectly-plastic = { yield-stress = \"120 MPa\" } }";
+        let metal = ("\"2700 kg/m^3\"", "\"70 GPa\"");
+        for law in [linear, gruneisen] {
+            for strength in [elastic, yields] {
+                assert_eq!(notes_of(metal.0, metal.1, law, strength), [""; 0], "{law} {strength}");
+                for (density, young, meant) in [
+                    (
+                        "2.7",
+                        metal.1,
+                        "density of 2.7 kg/m^3 is that of a gas, and its shear modulus that of a solid; a number without a unit is in SI: is \"2.7 g/cm^3\" meant?",
+                    ),
+                    (
+                        metal.0,
+                        "70000",
+                        "Young's modulus of 7.000e4 Pa is that of no metal with a density of 2700 kg/m^3; a number without a unit is in SI: is \"70 GPa\" meant?",
+                    ),
+                    (metal.0, "\"70 MPa\"", "Young's modulus of 7.000e7 Pa"),
+                    (metal.0, "70", "is \"70 GPa\" meant?"),
+                ] {
+                    let told = notes_of(density, young, law, strength);
+                    assert!(told.len() == 1 && told[0].contains(meant), "{density} {young} {law} {strength}: {told:?}");
+                }
+            }
+        }
+        // Rubber, a resin, a foam, a soil, and the rings of density 1 that papers let collide.
+        for (density, young, strength) in [
+            ("1100", "\"1 MPa\"", elastic),
+            ("1200", "\"2.4 GPa\"", yields),
+            ("1200", "\"800 MPa\"", yields),
+            ("30", "\"10 MPa\"", elastic),
+            ("2000", "\"20 MPa\"", "{ perfectly-plastic = { yield-stress = \"20 kPa\" } }"),
+            ("1", "\"10 MPa\"", elastic),
+            ("7850", "\"210 GPa\"", yields),
+        ] {
+            assert_eq!(notes_of(density, young, linear, strength), [""; 0], "{density} {young}");
+        }
+        // Magnesium, by what it bears.
+        let told = notes_of("1740", "\"45 MPa\"", linear, yields);
+        assert!(told.len() == 1 && told[0].contains("is \"45 GPa\" meant?"), "{told:?}");
     }
 
     #[test]
