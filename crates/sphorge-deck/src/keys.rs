@@ -280,6 +280,11 @@ pub(crate) fn unknown(name: &str, expected: &Expected, path: &str) -> Unknown {
     let options = names(expected);
     let place = if path.is_empty() { "at the top of a deck".to_owned() } else { format!("in `{path}`") };
     let message = format!("unknown key `{name}` {place}");
+    let half = options.iter().copied().find(|key| key.contains("radius") && *key == name.replace("diameter", "radius"));
+    if let Some(radius) = half {
+        let help = format!("write `{radius}`, half of it. Known keys: {}.", listed(options, "and"));
+        return Unknown { message, help, meant: Some(radius) };
+    }
     // A key that is right elsewhere is meant, rather than one that looks alike here.
     let elsewhere = along(name, expected, path).or_else(|| {
         let tables = tables_with(name);

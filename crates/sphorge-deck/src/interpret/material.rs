@@ -264,8 +264,9 @@ impl<'a> Chosen<'a> {
 
     /// Reports materials without a specific heat, which `what` needs.
     pub(crate) fn need_specific_heat(&self, what: &str, problems: &mut Problems) {
-        for Used { name, material, at, .. } in &self.chosen {
-            if material.as_ref().is_some_and(|m| !m.heats()) {
+        for Used { name, material, at, is_spoiled, .. } in &self.chosen {
+            // One that cannot be read has been told.
+            if !is_spoiled && material.as_ref().is_some_and(|m| !m.heats()) {
                 let message = format!("material `{name}` has no `specific-heat`, and {what} needs it");
                 let fault = Fault::new("missing-constant", message, at.clone(), "used here");
                 let help = format!("add `specific-heat = \"452 J/(kg K)\"` with the right value to [material.{name}]");
