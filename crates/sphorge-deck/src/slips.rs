@@ -4,7 +4,8 @@ use super::reach::ways;
 use sphorge_engine::Particles;
 use sphorge_engine::geometry::pressed_at_start;
 use sphorge_engine::model::{
-    Body, CloudParticle, CloudShare, Material, Model, MotionAxis, Solid, TimeTable, WallContact, WallSurface,
+    Body, CloudParticle, CloudShare, Material, Measure, MeasureKind, Model, MotionAxis, Solid, TimeTable, WallContact,
+    WallSurface,
 };
 use sphorge_physics::flow::FlowState;
 
@@ -39,7 +40,88 @@ pub(crate) fn slips_unless_driven(model: &Model, particles: &Particles) -> Vec<S
     let left: Vec<String> = bodies.filter_map(|b| leaves_its_wall(model, &courses, b)).collect();
     // What leaves a wall has been told to meet nothing.
     let ways = if left.is_empty() { ways(model, particles) } else { Vec::new() };
-    at_rest(model, particles).into_iter().chain(left).chain(ways).chain(falls_away(model, &courses)).collect()
+    let rest = at_rest(model, particles).into_iter();
+    rest.chain(left).chain(ways).chain(falls_away(model, &courses)).chain(blind_measures(model, particles)).collect()
+}
+
+/// How many times as far as the fastest of the start something may get: jets outrun what makes them.
+const OUTRUN: f64 = 3.0;
+
+/// Farthest that anything gets, m.
+fn reach(model: &Model, particles: &Particles) -> f64 {
+    if !model.thermal.mechanics {
+        return 0.0;
+    }
+    let size = |v: &[f64; 3]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    let most = |table: &TimeTable| table.points.iter().fold(0.0f64, |most, (_, value)| most.max(value.abs()));
+    let driven = model.motions.iter().flat_map(|motion| &motion.axes).filter_map(|axis| match axis {
+        MotionAxis::Velocity(table) => Some(most(table)),
+        MotionAxis::Free => None,
+    });
+    let walls = model.walls.iter().flat_map(|wall| &wall.velocity).map(most);
+    let fastest = particles.velocity.iter().map(size).chain(driven).chain(walls).fold(0.0, f64::max);
+    OUTRUN * model.time.end * (fastest + size(&model.gravity) * model.time.end)
+}
+
+/// Measures of places where no material is and none gets to.
+fn blind_measures(model: &Model, particles: &Particles) -> Vec<String> {
+    if model.periodic.iter().any(Option::is_some) || model.measures.is_empty() {
+        return Vec::new();
+    }
+    let dimensions = model.dimensions.count();
+    let support = model.numerics.kernel.support();
+    let reach = reach(model, particles);
+    let note = |measure: &Measure| {
+        let (selection, point) = match &measure.kind {
+            MeasureKind::Value { selection, point, .. } => (selection, Some(*point)),
+            MeasureKind::Extent { selection, .. }
+            | MeasureKind::Diameter { selection, .. }
+            | MeasureKind::Extreme { selection, .. }
+            | MeasureKind::Mean { selection, .. }
+            | MeasureKind::FrontSpeed { selection, .. }
+            | MeasureKind::Period { selection, .. }
+            | MeasureKind::ReversalTime { selection, .. } => (selection, None),
+            MeasureKind::CraterDiameter { .. } | MeasureKind::Cloud { .. } | MeasureKind::Fragments { .. } => {
+                return None;
+            }
+        };
+        let is_selected = |i: &usize| {
+            selection.body.is_none_or(|body| particles.body[*i] as usize == body)
+                && selection.region.is_none_or(|region| particles.regions[*i] >> region & 1 == 1)
+        };
+        let selected = || (0..particles.len()).filter(is_selected);
+        let name = &measure.name;
+        if selected().next().is_none() {
+            return Some(format!("measure `{name}` has no value: no particle of its region belongs to its body"));
+        }
+        // How far a particle is from what the measure looks at, along each axis and in all.
+        let size = |along: &dyn Fn(usize) -> f64| (0..dimensions).map(|a| along(a).powi(2)).sum::<f64>().sqrt();
+        let from_window = |i: usize| {
+            selection.window.map_or(0.0, |(min, max)| {
+                let x = particles.position[i];
+                size(&|a| (min[a] - x[a]).max(x[a] - max[a]).max(0.0))
+            })
+        };
+        let from_point = |i: usize| {
+            let beyond = support * particles.smoothing_length[i];
+            point.map_or(0.0, |point| (size(&|a| point[a] - particles.position[i][a]) - beyond).max(0.0))
+        };
+        let least = |of: &dyn Fn(usize) -> f64| selected().map(of).fold(f64::INFINITY, f64::min);
+        let (of_window, of_point) = (least(&from_window), least(&from_point));
+        let (what, away) = if of_window > reach {
+            ("`window`", of_window)
+        } else if of_point > reach {
+            ("`point`", least(&|i| point.map_or(0.0, |point| size(&|a| point[a] - particles.position[i][a]))))
+        } else {
+            return None;
+        };
+        Some(format!(
+            "measure `{name}` has no value at the start, and nothing is fast enough to get there: its {what} is {:.4} mm from the nearest particle; \
+             check its unit",
+            1e3 * away
+        ))
+    };
+    model.measures.iter().filter_map(note).collect()
 }
 
 /// A flow stress that no metal has.
@@ -74,8 +156,7 @@ fn too_long(model: &Model) -> Option<String> {
     let steps = model.time.end / model.time.fixed_step.unwrap_or(shortest);
     (steps > MANY_STEPS).then(|| {
         format!(
-            "to {} s the run takes some {steps:.0e} steps: a number without a unit is in seconds, and impacts take micro- or milliseconds, as in \
-             `end = \"20 us\"`",
+            "to {} s the run takes some {steps:.0e} steps: impacts take micro- or milliseconds, as in `end = \"20 us\"`",
             model.time.end
         )
     })
@@ -433,6 +514,39 @@ mod tests {
         told(&[("\"6 mm\"]\nnormal", "\"60 mm\"]\nnormal")], &["`middle` cuts no body"]);
         let of = ("normal = [0, 1]\n", "normal = [0, 1]\nbody = \"bar\"\n");
         told(&[("\"6 mm\"]\nnormal", "\"60 mm\"]\nnormal"), of], &["`middle` cuts body `bar` nowhere"]);
+    }
+
+    #[test]
+    fn a_measure_of_a_place_that_nothing_gets_to_is_told() {
+        let measured =
+            |kind: &str| notes(&[("[[section]]", &format!("[[measure]]\nname = \"p\"\n{kind}\n[[section]]"))]);
+        // The bar is 12 mm high and gets 0.2 mm far, three times that at the most.
+        let value = |y: &str| measured(&format!("value = {{ field = \"pressure\", point = [\"3 mm\", \"{y} mm\"] }}"));
+        assert!(
+            value("20")[0].contains("`p` has no value at the start") && value("20").len() == 1,
+            "{:?}",
+            value("20")
+        );
+        assert!(value("20")[0].contains("its `point` is 8.5147 mm from the nearest particle"), "{:?}", value("20"));
+        // The last particle is at 11.5 mm, and its kernel reaches further than a spacing.
+        for y in ["6", "12.5", "13"] {
+            assert_eq!(value(y), [""; 0], "{y}");
+        }
+        assert_eq!(value("15").len(), 1);
+        let mean = |low: &str, high: &str| {
+            let window = format!("{{ min = [\"0 mm\", \"{low}\"], max = [\"6 mm\", \"{high}\"] }}");
+            measured(&format!("mean = {{ field = \"pressure\", window = {window} }}"))
+        };
+        let told = mean("12.2 mm", "20 mm");
+        assert!(told.len() == 1 && told[0].contains("its `window` is 0.7000 mm from the nearest"), "{told:?}");
+        for (low, high) in [("12 mm", "20 mm"), ("11 mm", "20 mm"), ("-5 mm", "0.1 mm")] {
+            assert_eq!(mean(low, high), [""; 0], "{low}");
+        }
+        let two = "[[measure]]\nname = \"p\"\nmean = { field = \"pressure\", body = \"bar\", region = \"other\" }\n[[region]]\nname = \"other\"\nbody = \
+                   \"far\"\n[[body]]\nname = \"far\"\nmaterial = \"m\"\nshape = { box = { min = [\"20 mm\", \"5 mm\"], max = [\"26 mm\", \"17 mm\"] } \
+                   }\nvelocity = [\"0 m/s\", \"-10 m/s\"]\n[[section]]";
+        let told = notes(&[("\"20 us\"", "\"2 ms\""), ("[[section]]", two)]);
+        assert!(told.iter().any(|note| note.contains("`p` has no value: no particle of its region")), "{told:?}");
     }
 
     #[test]
