@@ -191,12 +191,21 @@ fn suggestion(name: &str) -> Option<String> {
     if let Some(best) = agree.iter().find(is_common).or(agree.iter().find(|s| **s == folded)).or(agree.first()) {
         return Some(best.clone());
     }
+    // Prefixes that there are not: the next one.
+    let others = [("p", "n"), ("f", "n"), ("T", "G")];
+    let near = others.iter().find_map(|(prefix, near)| Some(format!("{near}{}", name.strip_prefix(prefix)?)));
+    if let Some(near) = near.filter(|near| symbol(near).is_some()) {
+        return Some(near);
+    }
+    // Nobody measures in gigaseconds or megametres.
+    let is_odd =
+        |s: &str| s.len() > 1 && s.starts_with(['k', 'M', 'G', 'c', 'd']) && (s.ends_with('s') || &s[1..] == "m");
     spellings()
         .into_iter()
-        .map(|s| (strsim::damerau_levenshtein(&s, name), s))
-        .filter(|(distance, _)| *distance <= 1)
+        .map(|s| (strsim::damerau_levenshtein(&s, name), is_odd(&s) && !["km", "cm", "dm"].contains(&s.as_str()), s))
+        .filter(|(distance, ..)| *distance <= 1)
         .min()
-        .map(|(_, s)| s)
+        .map(|(.., s)| s)
 }
 
 /// Reads a unit such as `mm`, `kg/m^3` or `J/(kg K)`.
@@ -385,6 +394,10 @@ mod tests {
         let error = parse_unit("kg/mmm^3").unwrap_err();
         assert_eq!((error.start, error.end, error.message.as_str()), (3, 6, "unknown unit `mmm`"));
         assert_eq!(parse_unit("mpa").unwrap_err().help.unwrap(), "did you mean `MPa`?");
+        let meant = |unit: &str| parse_unit(unit).unwrap_err().help.unwrap();
+        for (unit, words) in [("ps", "`ns`"), ("fs", "`ns`"), ("TPa", "`GPa`"), ("pm", "`nm`"), ("xs", "`ms`")] {
+            assert_eq!(meant(unit), format!("did you mean {words}?"), "{unit}");
+        }
         assert_eq!(parse_unit("MM").unwrap_err().help.unwrap(), "did you mean `mm`?");
         assert_eq!(parse_unit("g/cc").unwrap_err().help.unwrap(), "did you mean `cm^3`?");
         assert_eq!(parse_unit("tonnes/mm^3").unwrap_err().help.unwrap(), "did you mean `t`?");
