@@ -11,8 +11,9 @@ use crate::{
 };
 use clap::{Args, ValueEnum};
 use sphorge::{
+    deck::{did_you_mean, names_like},
     output::{OutputError, RunDirectory, read_series},
-    particles::find_field,
+    particles::{FIELDS, find_field},
     plot::{
         ColumnsPicture, Condition, FieldPicture, FrameChoice, Mirror, Paper, PictureFormat, PlotError, Section, View,
         animate_field, common_measures, plot_each_frame, plot_field, plot_field_of_runs, plot_run,
@@ -179,8 +180,18 @@ fn parse_condition(text: &str) -> Result<Condition, String> {
     if name.is_empty() || bound.is_empty() {
         return Err(bad());
     }
-    let unit = find_field(name).map_or("", |field| field.unit);
-    let [bound] = read_quantities::<1>(bound, unit)?;
+    let known = find_field(name);
+    let [bound] = read_quantities::<1>(bound, known.map_or("", |field| field.unit)).map_err(|message| match known {
+        Some(_) => message,
+        // Without the field its unit is not known, either.
+        None => {
+            let near = did_you_mean(names_like(name, FIELDS.iter().map(|field| field.name)));
+            format!(
+                "there is no field `{name}`{}",
+                if near.is_empty() { near } else { format!("; {}", near.trim_end()) }
+            )
+        }
+    })?;
     Ok(Condition { field: field.to_owned(), is_above: text[at..].starts_with('>'), bound })
 }
 
@@ -471,6 +482,10 @@ mod tests {
         let condition = |field: &str, is_above, bound| Ok(Condition { field: field.to_owned(), is_above, bound });
         assert_eq!(parse_condition("plastic_strain>0.2"), condition("plastic_strain", true, 0.2));
         assert_eq!(parse_condition("stress.xy < -1 GPa"), condition("stress.xy", false, -1e9));
+        assert_eq!(parse_condition("no_field_of_ours > 2"), condition("no_field_of_ours", true, 2.0));
+        let slip = parse_condition("temprature > 5 degC").unwrap_err();
+        assert_eq!(slip, "there is no field `temprature`; did you mean `temperature`?");
+        assert_eq!(parse_condition("xyz > 5 degC").unwrap_err(), "there is no field `xyz`");
         for bad in ["", ">", "pressure", "pressure>", ">1", "pressure > 1 mm", "pressure >= 1", "pressure > x"] {
             assert!(parse_condition(bad).is_err(), "{bad}");
         }
