@@ -75,7 +75,9 @@ pub(crate) fn cuts_something(pictures: impl IntoIterator<Item = Option<Missed>>)
         around = Some(Missed { bodies, ..missed });
     }
     let Some(Missed { along, place, bodies: (low, high) }) = around else { return Ok(()) };
-    let [place, low, high] = [place, low, high].map(|x| quantity(x, "m"));
+    // Ends that miss zero by round-off are zero.
+    let round_off = 1e-9 * (high - low).max(place.abs());
+    let [place, low, high] = [place, low, high].map(|x| quantity(if x.abs() < round_off { 0.0 } else { x }, "m"));
     Err(PlotError::Section { along, place, low, high })
 }
 
@@ -541,6 +543,15 @@ fn samples(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_section_beside_bodies_says_where_they_are_without_round_off() {
+        let missed = Missed { along: "z".to_owned(), place: 0.05, bodies: (-1.301e-18, 0.03) };
+        let Err(PlotError::Section { low, high, place, .. }) = cuts_something([Some(missed)]) else {
+            panic!("it is met")
+        };
+        assert_eq!([low.as_str(), high.as_str(), place.as_str()], ["0 m", "30 mm", "50 mm"]);
+    }
 
     #[test]
     fn one_frame_of_ten_does_not_set_the_limits_of_all() {
