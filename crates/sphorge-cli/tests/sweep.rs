@@ -55,6 +55,14 @@ fn every_combination_is_run_once_and_listed() {
     assert_eq!(table[3][5].parse::<f64>().unwrap(), height);
     assert!(fs::read_to_string(place.path("s/plots/height-over-particles.spacing.svg")).unwrap().contains("-50 m/s"));
 
+    // All that is in the folder, as a shell makes of `s/*`: the runs, their decks, the table and the pictures.
+    let mut all: Vec<_> = fs::read_dir(place.path("s")).unwrap().map(|e| e.unwrap().file_name()).collect();
+    all.sort();
+    let all: Vec<String> = all.into_iter().map(|name| format!("s/{}", name.to_str().unwrap())).collect();
+    assert!(all.len() > 8, "{all:?}");
+    let words: Vec<&str> = ["compare", "alone"].into_iter().chain(all.iter().map(String::as_str)).collect();
+    assert_eq!(place.run(&words).expect_code(0).out.matches("completed").count(), 5);
+
     // Again: nothing is run. With another value: what is missing.
     let before = written(&place.path("s"));
     let again = place.run(&sweep).expect_code(0);

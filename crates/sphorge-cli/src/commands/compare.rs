@@ -6,7 +6,7 @@ use crate::{
 };
 use clap::Args;
 use sphorge::compare::Comparison;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `compare`.
 #[derive(Debug, Args)]
@@ -14,6 +14,7 @@ use std::path::PathBuf;
 Examples:
   sphorge compare out/coarse out/fine
   sphorge compare out/every-step out/skin --json
+  sphorge compare out/iron-plate out/study/*
 
 Differences and speed-ups are relative to the first run.")]
 pub(crate) struct CompareArguments {
@@ -25,8 +26,17 @@ pub(crate) struct CompareArguments {
     json: bool,
 }
 
+/// Whether a path is what a study has beside its runs, as `out/study/*` names it: its table, the decks of its runs, its pictures.
+fn is_of_a_study(path: &Path) -> bool {
+    let is_beside_runs = path.parent().is_some_and(|folder| folder.join("sweep.csv").is_file());
+    is_beside_runs && (path.is_file() || path.file_name().is_some_and(|name| name == "plots"))
+}
+
 pub(crate) fn execute(arguments: CompareArguments) -> Ending {
-    let comparison = Comparison::read(&arguments.directories).map_err(|error| Failure::BadInput(error.into()))?;
+    let runs: Vec<PathBuf> = arguments.directories.iter().filter(|path| !is_of_a_study(path)).cloned().collect();
+    // Nothing but such files is no comparison.
+    let runs = if runs.is_empty() { arguments.directories } else { runs };
+    let comparison = Comparison::read(&runs).map_err(|error| Failure::BadInput(error.into()))?;
     let text = if arguments.json { terminal::json(&comparison)? } else { comparison.to_string() };
     terminal::print(&format!("{text}\n"))?;
     Ok(Outcome::Done)
