@@ -46,8 +46,7 @@ fn slip_of_unit(constants: &Constants, material: &Material) -> Option<String> {
     }
     if within(1e3 * density, DENSITIES) && (shear / density).sqrt() > FASTEST_SHEAR {
         return Some(format!(
-            "material `{name}`: a density of {density} kg/m^3 is that of a gas, and its shear modulus that of a solid; a number without a unit is in \
-             SI: is \"{density} g/cm^3\" meant?"
+            "material `{name}`: a density of {density} kg/m^3 is that of a gas, and its shear modulus that of a solid: is \"{density} g/cm^3\" meant?"
         ));
     }
     let (given, modulus) = match constants.elastic.young {
@@ -71,8 +70,7 @@ fn slip_of_unit(constants: &Constants, material: &Material) -> Option<String> {
     let factor = factor.filter(|_| bears_too_much || is_soft || (is_odd_ratio && density >= DENSITIES.0))?;
     let giga = (modulus * factor / 1e9 * 1e6).round() / 1e6;
     Some(format!(
-        "material `{name}`: a {given} of {modulus:.3e} Pa is that of no metal with a density of {density} kg/m^3; a number without a unit is in SI: is \
-         \"{giga} GPa\" meant?"
+        "material `{name}`: a {given} of {modulus:.3e} Pa is that of no metal with a density of {density} kg/m^3: is \"{giga} GPa\" meant?"
     ))
 }
 
@@ -294,12 +292,12 @@ mod tests {
                     (
                         "2.7",
                         metal.1,
-                        "density of 2.7 kg/m^3 is that of a gas, and its shear modulus that of a solid; a number without a unit is in SI: is \"2.7 g/cm^3\" meant?",
+                        "density of 2.7 kg/m^3 is that of a gas, and its shear modulus that of a solid: is \"2.7 g/cm^3\" meant?",
                     ),
                     (
                         metal.0,
                         "70000",
-                        "Young's modulus of 7.000e4 Pa is that of no metal with a density of 2700 kg/m^3; a number without a unit is in SI: is \"70 GPa\" meant?",
+                        "Young's modulus of 7.000e4 Pa is that of no metal with a density of 2700 kg/m^3: is \"70 GPa\" meant?",
                     ),
                     (metal.0, "\"70 MPa\"", "Young's modulus of 7.000e7 Pa"),
                     (metal.0, "70", "is \"70 GPa\" meant?"),
