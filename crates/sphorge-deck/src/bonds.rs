@@ -14,7 +14,8 @@ pub(crate) fn reach(model: &Model, body: usize) -> f64 {
     0.5 * (model.numerics.kernel.support() * body.smoothing_length - body.spacing)
 }
 
-/// One sentence for each body and symmetry plane with a gap between them that sums reach across, unless more is known of them by their numbers.
+/// One sentence for each body and symmetry plane with a gap between them that sums reach across; not of those (index of the body, of the plane)
+/// that another note is about.
 pub(crate) fn notes(model: &Model, particles: &Particles, is_known: impl Fn(usize, usize) -> bool) -> Vec<String> {
     let mut notes = Vec::new();
     for (number, plane) in model.symmetry.iter().enumerate() {

@@ -1,6 +1,7 @@
 //! What the speed at which bodies meet decides where a deck does not.
 
 use crate::raw::RawNumerics;
+use crate::reach::{dot, minus};
 use crate::value::ScalarOr;
 use sphorge_engine::model::{Body, Model, WallSurface};
 
@@ -11,6 +12,7 @@ const FAST: [f64; 2] = [0.115, 0.125];
 /// Viscosity of shocks of a model, of which the method has `usual` where impacts are fast, unless the deck gives any viscosity itself.
 pub(crate) fn viscosity_of_shocks(raw: &RawNumerics, usual: f64, model: &Model) -> f64 {
     let is_given = match &raw.viscosity {
+        // `viscosity = false` leaves no quadratic part.
         None | Some(ScalarOr::Scalar(_)) => model.numerics.viscosity_beta == 0.0,
         Some(ScalarOr::Composed(table, _)) => {
             [&table.alpha, &table.beta, &table.shocks].iter().any(|key| key.is_some())
@@ -36,7 +38,7 @@ fn speed_of_impact(model: &Model) -> f64 {
             for wall in &model.walls {
                 let relative = minus(v, [0, 1, 2].map(|a| wall.velocity[a].at(0.0)));
                 let approach = match wall.surface {
-                    WallSurface::Plane { normal, .. } => -(0..3).map(|a| relative[a] * normal[a]).sum::<f64>(),
+                    WallSurface::Plane { normal, .. } => -dot(relative, normal),
                     WallSurface::Segment { .. } => length(relative),
                 };
                 most = most.max(approach / sound(body));
@@ -61,10 +63,6 @@ fn velocities(body: &Body) -> [[f64; 3]; 2] {
     ends.map(|share| [0, 1, 2].map(|a| body.velocity[a] + share * profile.amplitude[a]))
 }
 
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
 fn length(v: [f64; 3]) -> f64 {
-    v.iter().map(|c| c * c).sum::<f64>().sqrt()
+    dot(v, v).sqrt()
 }

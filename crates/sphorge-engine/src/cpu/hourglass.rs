@@ -161,7 +161,17 @@ struct SpringSweep<'a, T> {
     split: EnergySplit,
 }
 
-impl<T: PairScalar> SpringSweep<'_, T> {
+impl<'a, T: PairScalar> SpringSweep<'a, T> {
+    fn new(
+        records: &'a Records<T>,
+        constants: &'a PairConstants<T>,
+        instructions: Instructions,
+        model: &Model,
+    ) -> Self {
+        let dimension = super::dimension(model);
+        Self { records, constants, instructions, dimension, split: model.numerics.energy_split }
+    }
+
     fn block<const STRESS: bool>(&self, b: usize, block: &Block, sums: &mut [RowSums<T>; BLOCK]) {
         let (records, first, constants, split) = (self.records, b * BLOCK, self.constants, self.split);
         dispatch_dimension!(self.dimension, |D| {
@@ -215,23 +225,14 @@ impl<T: PairScalar> CpuEngine<T> {
             && self.model.numerics.pair_form == PairForm::VolumeWeighted
     }
 
-    fn spring_sweep(&self) -> SpringSweep<'_, T> {
-        SpringSweep {
-            records: &self.records,
-            constants: &self.constants,
-            instructions: self.instructions,
-            dimension: super::dimension(&self.model),
-            split: self.model.numerics.energy_split,
-        }
-    }
-
     /// Adds the forces of the springs of some pairs of block `b`, as last evaluated, N.
     pub(super) fn add_hourglass_forces(&self, b: usize, rows: &Block, forces: &mut [Vector<f64>]) {
         if self.records.hourglass.is_empty() {
             return;
         }
         let mut sums = [RowSums::zero(); BLOCK];
-        self.spring_sweep().block::<false>(b, rows, &mut sums);
+        SpringSweep::new(&self.records, &self.constants, self.instructions, &self.model)
+            .block::<false>(b, rows, &mut sums);
         for (k, force) in forces.iter_mut().enumerate() {
             let springs = &sums[k].springs;
             for a in 0..3 {
@@ -253,13 +254,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let with_stress = self.sums_stress_with_springs();
         let inner = &self.inner;
         let list = &self.lists.list;
-        let sweep = SpringSweep {
-            records: &self.records,
-            constants: &self.constants,
-            instructions: self.instructions,
-            dimension: super::dimension(&self.model),
-            split: self.model.numerics.energy_split,
-        };
+        let sweep = SpringSweep::new(&self.records, &self.constants, self.instructions, &self.model);
         let Records { kinematic, hourglass: records, .. } = &self.records;
         let per_dimension = 1.0 / sweep.dimension.count() as f64;
         let Particles {
