@@ -34,8 +34,15 @@ impl Strategy {
     pub(crate) fn normalise(self, numerics: &mut Numerics) -> Option<String> {
         match self.formulation {
             Formulation::UpdatedLagrangian => {
-                let asked = std::mem::take(&mut numerics.viscosity_of_shocks) != 0.0;
-                return asked.then(|| "only the total Lagrangian form uses `numerics.viscosity.shocks`".to_owned());
+                let mut asked = Vec::new();
+                if std::mem::take(&mut numerics.viscosity_of_shocks) != 0.0 {
+                    asked.push("`numerics.viscosity.shocks`");
+                }
+                if std::mem::take(&mut numerics.viscosity_of_all_waves) {
+                    asked.push("`numerics.viscosity.all-waves`");
+                }
+                let asked = asked.join(", ");
+                return (!asked.is_empty()).then(|| format!("only the total Lagrangian form uses {asked}"));
             }
             Formulation::TotalLagrangian { .. } => {}
         }

@@ -98,6 +98,8 @@ pub(crate) struct Oracle {
     /// `chi c rho_0` of the viscosity of shocks, Pa s/m, and how fast viscosity damps a particle, 1/s.
     pub(crate) impedance: Vec<f64>,
     pub(crate) damping_rate: Vec<f64>,
+    /// Divergence of the velocity, filtered once and twice, 1/s.
+    pub(crate) filtered: Vec<[f64; 2]>,
     pub(crate) viscous_power: f64,
     pub(crate) hourglass_power: f64,
     /// Least stretch at which a particle has yielded, zero without springs, and, of its springs, mean square of the misfit and stress of the
@@ -187,6 +189,7 @@ impl EngineKind for OracleKind {
             viscous_pressure: vec![0.0; n],
             impedance: vec![0.0; n],
             damping_rate: vec![0.0; n],
+            filtered: vec![[0.0; 2]; n],
             viscous_power: 0.0,
             hourglass_power: 0.0,
             yielded_stretch: vec![1.0; n],

@@ -352,6 +352,21 @@ impl Oracle {
         deviator
     }
 
+    /// Share of the linear viscosity that acts on a wave, by its frequency times `tau`: the second derivative of the filtered divergence over itself.
+    fn share_of_short_waves(&mut self, i: usize, divergence: f64, tau: f64) -> f64 {
+        let [once, twice] = self.filtered[i];
+        // Implicit steps of `tau D_1' = D - D_1` and `tau D_2' = D_1 - D_2`.
+        let next = (tau * once + self.dt * divergence) / (tau + self.dt);
+        let after = (tau * twice + self.dt * next) / (tau + self.dt);
+        self.filtered[i] = [next, after];
+        let lets_go = self.has_come_apart[self.p.body[i] as usize] || self.material(i).breaks();
+        if self.model.numerics.viscosity_of_all_waves || lets_go {
+            return 1.0;
+        }
+        let frequency = (divergence - 2.0 * next + after).abs() / twice.abs();
+        if frequency.is_nan() { 0.0 } else { ((frequency - 0.3) / 0.3).clamp(0.0, 1.0) }
+    }
+
     /// Stress where forces are evaluated, as the momentum sum wants it: `a_i sigma_i B_i`, or `P_i B_i`.
     pub(crate) fn update_stress(&mut self) {
         let numerics = self.model.numerics.clone();
@@ -368,11 +383,14 @@ impl Oracle {
                 let h = h * smallest_stretch(&self.deformation[i]);
                 let divergence = l[0][0] + l[1][1] + l[2][2];
                 let in_shocks = if numerics.viscosity_of_shocks > 0.0 { self.share_in_shocks(i, h) } else { 1.0 };
-                let q = self.share[i] * bulk_viscosity(self.viscosity(), divergence, rho, c, h);
+                let ViscosityParameters { alpha, beta } = self.viscosity();
+                let short = self.share_of_short_waves(i, divergence, h / c);
+                let acting = ViscosityParameters { alpha: short * alpha, beta };
+                let q = self.share[i] * bulk_viscosity(acting, divergence, rho, c, h);
                 self.impedance[i] = self.share[i] * in_shocks * c * self.p.mass[i] / self.initial_volume[i];
                 let (linear, quadratic) =
                     (numerics.viscosity_alpha * c, numerics.viscosity_beta * h * (-divergence).max(0.0));
-                let pairs = 4.8 * numerics.viscosity_of_shocks * c / self.p.smoothing_length[i];
+                let pairs = 3.6 * numerics.viscosity_of_shocks * c / self.p.smoothing_length[i];
                 self.damping_rate[i] = 0.6 * (linear + 2.0 * quadratic) / h + in_shocks * pairs;
                 pressure += q;
                 // The kicks of the step take half of it with the pressure before and half with the one after.
@@ -573,7 +591,7 @@ impl Oracle {
         if trace >= 0.0 {
             return 0.0;
         }
-        ((-h * trace / c - 0.001) / 0.002).clamp(0.0, 1.0) * ((trace * trace / square - 0.5) / 0.4).clamp(0.0, 1.0)
+        ((-h * trace / c - 0.0004) / 0.0008).clamp(0.0, 1.0) * ((trace * trace / square - 0.5) / 0.4).clamp(0.0, 1.0)
     }
 
     /// Viscosity of shocks along pairs at their places now, `V_i V_j w_ij alpha max(z_i, z_j) h max(0, -v.x)/x^2 x`; half of the heat to each.

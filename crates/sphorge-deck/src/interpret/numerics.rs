@@ -59,7 +59,12 @@ pub(crate) fn numerics(raw: &RawNumerics, usual: &Choices, problems: &mut Proble
         or_default!(raw.smoothing_length, SmoothingLength::Constant, |given| smoothing_length(given, problems));
     let viscosity = viscosity(raw, usual, problems);
     let artificial_stress = artificial_stress(raw, usual.artificial_stress, problems);
-    let (viscosity_alpha, viscosity_beta, balsara, viscosity_of_shocks) = viscosity?;
+    let Viscosity {
+        constants: (viscosity_alpha, viscosity_beta),
+        of_shocks: viscosity_of_shocks,
+        of_all_waves: viscosity_of_all_waves,
+        balsara,
+    } = viscosity?;
     Some(Numerics {
         kernel: kernel?,
         integrator: integrator?,
@@ -69,6 +74,7 @@ pub(crate) fn numerics(raw: &RawNumerics, usual: &Choices, problems: &mut Proble
         viscosity_alpha,
         viscosity_beta,
         viscosity_of_shocks,
+        viscosity_of_all_waves,
         balsara,
         artificial_stress: artificial_stress?,
         xsph: xsph?,
@@ -118,14 +124,23 @@ fn smoothing_length(
 /// Viscosity of shocks where bodies meet slowly ([`super::fast`]).
 const SLOW: f64 = 0.0;
 
-/// Linear and quadratic constant, Balsara's switch, and the constant of shocks where a deck gives it.
-fn viscosity(raw: &RawNumerics, usual: &Choices, problems: &mut Problems) -> Option<(f64, f64, bool, f64)> {
+/// Artificial viscosity of a deck.
+struct Viscosity {
+    /// Linear and quadratic.
+    constants: (f64, f64),
+    /// The constant of shocks, where the deck gives it.
+    of_shocks: f64,
+    of_all_waves: bool,
+    balsara: bool,
+}
+
+fn viscosity(raw: &RawNumerics, usual: &Choices, problems: &mut Problems) -> Option<Viscosity> {
+    let plain = |constants| Viscosity { constants, of_shocks: SLOW, of_all_waves: false, balsara: false };
     let (default_alpha, default_beta) = usual.viscosity;
     let table = match &raw.viscosity {
-        None => return Some((default_alpha, default_beta, false, SLOW)),
+        None => return Some(plain(usual.viscosity)),
         Some(ScalarOr::Scalar(flag)) => {
-            let on = flag.get(problems)?;
-            return Some(if on { (default_alpha, default_beta, false, SLOW) } else { (0.0, 0.0, false, SLOW) });
+            return Some(plain(if flag.get(problems)? { usual.viscosity } else { (0.0, 0.0) }));
         }
         Some(ScalarOr::Composed(table, _)) => table,
     };
@@ -134,7 +149,8 @@ fn viscosity(raw: &RawNumerics, usual: &Choices, problems: &mut Problems) -> Opt
     let balsara = or_default!(table.balsara, false, |b: &crate::value::Flag| b.get(problems));
     let shocks = or_default!(table.shocks, SLOW, |s: &Given<Number>| s
         .within(Bound::Between(0.0, MOST_VISCOSITY_OF_SHOCKS), problems));
-    Some((alpha?, beta?, balsara?, shocks?))
+    let all_waves = or_default!(table.all_waves, false, |b: &crate::value::Flag| b.get(problems));
+    Some(Viscosity { constants: (alpha?, beta?), of_shocks: shocks?, of_all_waves: all_waves?, balsara: balsara? })
 }
 
 fn artificial_stress(

@@ -48,12 +48,14 @@ tables! {
     /// Constants of the artificial viscosity.
     #[derive(Default)]
     RawViscosity {
-        /// Linear coefficient.
+        /// Linear coefficient. In the total Lagrangian form it acts on waves of few particles alone, except in materials that break and bodies that have come apart.
         alpha: Option<Given<Number>>, example 0.2, otherwise "0.1 in the total Lagrangian form, else 1.0";
         /// Quadratic coefficient.
-        beta: Option<Given<Number>>, example 4.0, otherwise "8.0 in the total Lagrangian form, else 1.0";
+        beta: Option<Given<Number>>, example 4.0, otherwise "10.0 in the total Lagrangian form, else 1.0";
         /// Linear coefficient of the viscosity of shocks along pairs, up to 10, in the total Lagrangian form. It acts in shocks alone.
-        shocks: Option<Given<Number>>, example 0.5, otherwise "0.5 in the total Lagrangian form where bodies approach each other, walls or symmetry planes at an eighth of the sound speed and more, 0 below 0.115 of it and where `alpha` or `beta` are given";
+        shocks: Option<Given<Number>>, example 0.5, otherwise "1.0 in the total Lagrangian form where bodies approach each other, walls or symmetry planes at an eighth of the sound speed and more, 0 below 0.115 of it; where plates meet that are twice as wide as thick, and do not break, 1.0 from 0.015 of it on, 0 below 0.01; 0 where `alpha` or `beta` are given";
+        /// Whether `alpha` acts on all waves in the total Lagrangian form: what oscillates comes to rest.
+        all_waves: Option<Flag>, example true, default false;
         /// Balsara's switch: less viscosity in shear.
         balsara: Option<Flag>, example true, default false;
     }

@@ -168,9 +168,8 @@ fn the_courant_number_is_that_of_the_form_unless_it_is_given() {
     assert_eq!(courant(&[&water[..], &[("time.courant", "0.4")]].concat()), 0.4);
 }
 
-#[test]
-fn viscosity_of_shocks_acts_where_bodies_meet_fast_unless_the_deck_gives_viscosity() {
-    const PLATES: &str = r#"
+/// A flyer and a target as thick as they are high.
+const PLATES: &str = r#"
 dimensions = "plane-strain"
 particles = { spacing = "1 mm" }
 time = { end = "1 us" }
@@ -184,10 +183,13 @@ name = "target"
 material = "copper-shock"
 shape = { box = { min = ["4 mm", "0 mm"], max = ["8 mm", "4 mm"] } }
 "#;
+
+#[test]
+fn viscosity_of_shocks_acts_where_bodies_meet_fast_unless_the_deck_gives_viscosity() {
     let shocks = |text: &str, overrides: &[(&str, &str)]| {
         let overrides: Vec<_> = overrides.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
         load_text("plates", text, &overrides)
-            .unwrap_or_else(|report| panic!("{report}"))
+            .unwrap_or_else(|report| panic!("{report:?}"))
             .model
             .numerics
             .viscosity_of_shocks
@@ -195,10 +197,10 @@ shape = { box = { min = ["4 mm", "0 mm"], max = ["8 mm", "4 mm"] } }
     let velocity = "body.flyer.velocity";
     // Copper has 3940 m/s: 0.115 and 0.125 of it are 453 and 493 m/s, 0.12 is 473.
     assert_eq!(shocks(PLATES, &[(velocity, "[\"450 m/s\", 0]")]), 0.0);
-    assert_eq!(shocks(PLATES, &[(velocity, "[\"500 m/s\", 0]")]), 0.5);
-    assert!((shocks(PLATES, &[(velocity, "[\"472.8 m/s\", 0]")]) - 0.25).abs() < 1e-9);
+    assert_eq!(shocks(PLATES, &[(velocity, "[\"500 m/s\", 0]")]), 1.0);
+    assert!((shocks(PLATES, &[(velocity, "[\"472.8 m/s\", 0]")]) - 0.5).abs() < 1e-9);
     let fast = (velocity, "[\"0 m/s\", \"1 km/s\"]");
-    assert_eq!(shocks(PLATES, &[fast]), 0.5);
+    assert_eq!(shocks(PLATES, &[fast]), 1.0);
     // In any frame.
     let along = ("body.target.velocity", "[\"0 m/s\", \"1 km/s\"]");
     assert_eq!(shocks(PLATES, &[fast, along]), 0.0);
@@ -210,7 +212,7 @@ shape = { box = { min = ["4 mm", "0 mm"], max = ["8 mm", "4 mm"] } }
         );
     }
     assert_eq!(shocks(PLATES, &[fast, ("numerics.viscosity", "false")]), 0.0);
-    assert_eq!(shocks(PLATES, &[fast, ("numerics.viscosity", "true")]), 0.5);
+    assert_eq!(shocks(PLATES, &[fast, ("numerics.viscosity", "true")]), 1.0);
     assert_eq!(shocks(PLATES, &[fast, ("method", "updated-lagrangian")]), 0.0);
     // What is rigid counts as it is approached: the same velocity along a wall is none.
     let alone = PLATES.split("[[body]]\nname = \"target\"").next().unwrap();
@@ -218,12 +220,59 @@ shape = { box = { min = ["4 mm", "0 mm"], max = ["8 mm", "4 mm"] } }
     for rest in [wall, "[[symmetry]]\naxis = \"x\"\n"] {
         let deck = format!("{alone}{rest}");
         assert_eq!(shocks(&deck, &[fast]), 0.0, "{rest}");
-        assert_eq!(shocks(&deck, &[(velocity, "[\"-1 km/s\", 0]")]), 0.5, "{rest}");
+        assert_eq!(shocks(&deck, &[(velocity, "[\"-1 km/s\", 0]")]), 1.0, "{rest}");
         assert_eq!(shocks(&deck, &[(velocity, "[\"1 km/s\", 0]")]), 0.0, "{rest}");
     }
     let driven = "[[region]]\nname = \"end\"\nshape = { box = { min = [\"0 mm\", \"0 mm\"], max = [\"1 mm\", \"4 mm\"] } }\n\
                   [[motion]]\nregion = \"end\"\nvelocity = [\"1 km/s\", \"0 m/s\"]\n";
-    assert_eq!(shocks(&format!("{alone}{driven}"), &[]), 0.5);
+    assert_eq!(shocks(&format!("{alone}{driven}"), &[]), 1.0);
+
+    // Plates have it from 0.01 and 0.015 of the sound speed on, 39 and 59 m/s: what is twice as wide as thick.
+    let slow = (velocity, "[\"100 m/s\", 0]");
+    let plates = |text: &str, more: &[(&str, &str)]| shocks(text, &[&[slow][..], more].concat());
+    let tall =
+        PLATES.replace("\"4 mm\", \"4 mm\"", "\"4 mm\", \"8 mm\"").replace("\"8 mm\", \"4 mm\"", "\"8 mm\", \"8 mm\"");
+    assert_eq!((plates(PLATES, &[]), plates(&tall, &[])), (0.0, 1.0));
+    assert_eq!(shocks(&tall, &[(velocity, "[\"39 m/s\", 0]")]), 0.0);
+    assert!((shocks(&tall, &[(velocity, "[\"49.25 m/s\", 0]")]) - 0.5).abs() < 1e-9);
+    // Along the other axis they are thick, and a narrow flyer makes no plane wave.
+    assert_eq!(shocks(&tall, &[(velocity, "[0, \"100 m/s\"]")]), 0.0);
+    let narrow = PLATES.replace("\"8 mm\", \"4 mm\"", "\"8 mm\", \"40 mm\"");
+    assert_eq!(plates(&narrow, &[]), 0.0);
+    // Behind one plane of symmetry is the other half; between two, and around a period, there is no end.
+    let plane = "[[symmetry]]\naxis = \"y\"\n";
+    let other = "[[symmetry]]\naxis = \"y\"\nat = \"4 mm\"\nside = \"negative\"\n";
+    assert_eq!(plates(&format!("{PLATES}{plane}"), &[]), 1.0);
+    let thick = PLATES
+        .replace("\"4 mm\", \"4 mm\"", "\"20 mm\", \"4 mm\"")
+        .replace("[\"4 mm\", \"0 mm\"]", "[\"20 mm\", \"0 mm\"]")
+        .replace("\"8 mm\", \"4 mm\"", "\"40 mm\", \"4 mm\"");
+    assert_eq!(plates(&format!("{thick}{plane}"), &[]), 0.0);
+    assert_eq!(plates(&format!("{thick}{plane}{other}"), &[]), 1.0);
+    // What breaks has it in fast impacts alone.
+    assert_eq!(plates(&tall, &[("material.copper-shock.spall-pressure", "\"1 GPa\"")]), 0.0);
+    // A wall that a plate strikes flat.
+    let alone = tall.split("[[body]]\nname = \"target\"").next().unwrap();
+    let wall = "[[wall]]\nname = \"w\"\nplane = { point = [\"9 mm\", 0], normal = [-1, 0] }\n";
+    assert_eq!(plates(&format!("{alone}{wall}"), &[]), 1.0);
+    let alone = thick.split("[[body]]\nname = \"target\"").next().unwrap();
+    let wall = wall.replace("9 mm", "21 mm");
+    let period = "[periodic]\ny = [\"0 mm\", \"4 mm\"]\n";
+    assert_eq!((plates(&format!("{alone}{wall}"), &[]), plates(&format!("{alone}{wall}{period}"), &[])), (0.0, 1.0));
+}
+
+#[test]
+fn linear_viscosity_of_all_waves_is_a_choice_of_the_total_lagrangian_form() {
+    let given = |method: &str| {
+        let overrides =
+            [("numerics.viscosity.all-waves".to_owned(), "true".to_owned()), ("method".to_owned(), method.to_owned())];
+        load_text("plates", PLATES, &overrides).unwrap_or_else(|report| panic!("{report}"))
+    };
+    let total = given("total-lagrangian");
+    assert!(total.model.numerics.viscosity_of_all_waves);
+    let updated = given("updated-lagrangian");
+    assert!(!updated.model.numerics.viscosity_of_all_waves);
+    assert!(updated.notes.iter().any(|note| note.contains("viscosity.all-waves")), "{:?}", updated.notes);
 }
 
 #[test]
@@ -238,6 +287,7 @@ fn numerics_time_and_output_arrive() {
         viscosity_alpha: 0.2,
         viscosity_beta: 4.0,
         viscosity_of_shocks: 0.0,
+        viscosity_of_all_waves: false,
         balsara: true,
         artificial_stress: Some(ArtificialStress { epsilon: 0.2, exponent: 6 }),
         xsph: 0.5,

@@ -26,8 +26,9 @@ type Chunks<'a, T> = (
     Viscous<'a>,
 );
 
-/// Bulk viscosity of a block of particles, and how fast it damps them, if there is one, and its work so far, J.
-type Viscous<'a> = (Option<(&'a mut [f64], &'a mut [f64])>, &'a mut f64);
+/// Bulk viscosity of a block of particles, how fast it damps them, and the divergence of their velocities, filtered once and twice, if there is one,
+/// and its work so far, J.
+type Viscous<'a> = (Option<((&'a mut [f64], &'a mut [f64]), (&'a mut [f64], &'a mut [f64]))>, &'a mut f64);
 
 impl<T: PairScalar> CpuEngine<T> {
     /// Updates the stress to the configuration in which forces are evaluated, and packs it for the force sum. With
@@ -68,6 +69,8 @@ impl<T: PairScalar> CpuEngine<T> {
             smallest_stretch: stretch,
             viscous_pressure,
             damping_rate,
+            divergence_once,
+            divergence_twice,
             mass,
             deviator,
             plastic_strain,
@@ -109,6 +112,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let (deformation, earlier_deformation) = (&*deformation, &*earlier_deformation);
         let stretch = &*stretch;
         let (body, repulsion) = (&*body, &self.repulsion);
+        let (has_come_apart, acts_on_all) = (&*self.has_come_apart, numerics.viscosity_of_all_waves);
         let evaluated_velocity = &*evaluated_velocity;
         // Forces of the total Lagrangian form are summed at the reference positions.
         let position = if formulation.is_initial() { &*reference_position } else { &*position };
@@ -117,7 +121,9 @@ impl<T: PairScalar> CpuEngine<T> {
         let corrected_length = if corrected { count } else { 0 };
         let viscous = &mut self.numerical_work.viscous;
         let without = if viscous_pressure.is_empty() { viscous.work.len() } else { 0 };
-        let viscous_pressure = viscous_pressure.par_chunks_mut(BLOCK).zip(damping_rate.par_chunks_mut(BLOCK)).map(Some);
+        let filtered = divergence_once.par_chunks_mut(BLOCK).zip(divergence_twice.par_chunks_mut(BLOCK));
+        let viscous_pressure = viscous_pressure.par_chunks_mut(BLOCK).zip(damping_rate.par_chunks_mut(BLOCK));
+        let viscous_pressure = viscous_pressure.zip(filtered).map(Some);
 
         let chunks = (
             deviator.par_chunks_mut(BLOCK),
@@ -190,8 +196,13 @@ impl<T: PairScalar> CpuEngine<T> {
                 dt,
             };
             FlowColumns::new(flow).take_step(&step, columns, &inputs);
-            if let (Some(parameters), (Some((pressure, rates)), work)) = (form.bulk_viscosity, viscous) {
+            if let (Some(parameters), (Some(((pressure, rates), filtered)), work)) = (form.bulk_viscosity, viscous) {
                 let masses = &mass[particles.clone()];
+                // What cracks, or has come apart, lets go at once: all waves are damped.
+                let lets_go = |i: usize| {
+                    has_come_apart[body[i] as usize] || form.breaks && model.materials[material[i] as usize].breaks()
+                };
+                columns.find_short_waves(step_size, filtered, |k| acts_on_all || lets_go(first + k));
                 columns.find_shocks(&form, parameters, &inputs, rates);
                 *work += step_size * columns.viscous_power(parameters, &form, masses, pressure);
                 if form.shocks.is_some() {

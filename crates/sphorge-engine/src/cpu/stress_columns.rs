@@ -7,7 +7,9 @@ use crate::neighbors::{BLOCK, PAD};
 use sphorge_physics::hyperelastic::{composed, minus_identity, neo_hookean_deviator};
 use sphorge_physics::pair::{PairForm, stress_scale};
 use sphorge_physics::return_mapping::elastic_margin;
-use sphorge_physics::viscosity::{ViscosityParameters, bulk_viscosity, bulk_viscous_power, damping_rate, shock_share};
+use sphorge_physics::viscosity::{
+    FilteredDivergence, ViscosityParameters, bulk_viscosity, bulk_viscous_power, damping_rate, shock_share,
+};
 use sphorge_physics::{Dimension, SymmetricTensor, Tensor, artificial_stress, stress};
 
 /// Input and output of the stress of a block of particles, a column for each quantity. Entries behind the last particle
@@ -36,6 +38,8 @@ pub(super) struct StressColumns {
     pub(super) integrity: [f64; BLOCK],
     /// Of viscous pressure that is borne; only where some material breaks.
     pub(super) share: [f64; BLOCK],
+    /// Of the linear bulk viscosity that acts.
+    pub(super) linear_share: [f64; BLOCK],
     /// Of the viscosity of shocks that acts, if there is one.
     pub(super) shock_share: [f64; BLOCK],
     /// Density at rest, kg/m³; only where there is viscosity of shocks.
@@ -60,6 +64,7 @@ impl StressColumns {
             integrity_before: zero,
             integrity: zero,
             share: zero,
+            linear_share: zero,
             shock_share: zero,
             initial_density: zero,
             pressure: zero,
@@ -104,12 +109,28 @@ impl StressColumns {
         for (k, (mass, pressure)) in masses.iter().zip(pressures).enumerate() {
             let (divergence, density) = (self.divergence[k], self.density[k]);
             let share = if form.breaks { self.share[k] } else { 1.0 };
+            let parameters = ViscosityParameters { alpha: self.linear_share[k] * parameters.alpha, ..parameters };
             let q =
                 share * bulk_viscosity(parameters, divergence, density, self.sound_speed[k], self.smoothing_length[k]);
             power += mass * bulk_viscous_power(0.5 * (*pressure + q), divergence, density);
             *pressure = q;
         }
         power
+    }
+
+    /// Finds the shares of the linear bulk viscosity that act, and filters the divergences on, once and twice. It acts on `all` waves of some particles.
+    pub(super) fn find_short_waves(
+        &mut self,
+        dt: f64,
+        filtered: (&mut [f64], &mut [f64]),
+        all: impl Fn(usize) -> bool,
+    ) {
+        for (k, (once, twice)) in filtered.0.iter_mut().zip(filtered.1).enumerate() {
+            let tau = self.smoothing_length[k] / self.sound_speed[k];
+            let (after, share) = FilteredDivergence { once: *once, twice: *twice }.after(self.divergence[k], dt, tau);
+            (*once, *twice) = (after.once, after.twice);
+            self.linear_share[k] = if all(k) { 1.0 } else { share };
+        }
     }
 
     /// Finds the shares of the viscosity of shocks that act, and how fast all viscosity damps particles, 1/s. `inputs` have smoothing lengths at rest, the columns
@@ -266,7 +287,8 @@ impl<T: PairScalar> Job<f64> for PackStress<'_, T> {
             let (density, sound_speed) = (L::load(&columns.density[k..]), L::load(&columns.sound_speed[k..]));
             let mut pressure = L::load(&columns.pressure[k..]);
             if let Some(p) = form.bulk_viscosity {
-                let p = ViscosityParameters { alpha: L::splat(p.alpha), beta: L::splat(p.beta) };
+                let alpha = L::load(&columns.linear_share[k..]) * L::splat(p.alpha);
+                let p = ViscosityParameters { alpha, beta: L::splat(p.beta) };
                 let (divergence, h) = (L::load(&columns.divergence[k..]), L::load(&columns.smoothing_length[k..]));
                 let viscous = bulk_viscosity(p, divergence, density, sound_speed, h);
                 pressure += if form.breaks { viscous * L::load(&columns.share[k..]) } else { viscous };

@@ -85,9 +85,11 @@ pub struct Numerics {
     pub viscosity_alpha: f64,
     /// Quadratic artificial viscosity `beta`.
     pub viscosity_beta: f64,
-    /// Linear viscosity of shocks along the pairs of the total Lagrangian form, `alpha_s`. Where it is above zero, all viscosity of that form acts in shocks
-    /// alone; zero for none.
+    /// Linear viscosity of shocks along the pairs of the total Lagrangian form, `alpha_s`, beside the bulk viscosity;
+    /// zero for none.
     pub viscosity_of_shocks: f64,
+    /// Whether the linear viscosity of the total Lagrangian form acts on all waves, not on those of few particles alone.
+    pub viscosity_of_all_waves: bool,
     /// Balsara's switch on the viscosity.
     pub balsara: bool,
     /// Artificial stress, if any.

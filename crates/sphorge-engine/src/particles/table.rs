@@ -360,6 +360,9 @@ columns! {
     pub(crate) spring_moment: Tensor<f64> = [[0.0; 3]; 3], Reference,
         Internal("Pa", "first Piola-Kirchhoff stress of the moment of the hourglass springs, at the last force sum"), Unmirrored[], None;
     pub(crate) viscous_pressure: f64 = 0.0, Reference, Internal("Pa", "bulk viscosity of the last stress"), Unmirrored[], None;
+    pub(crate) divergence_once: f64 = 0.0, Reference,
+        Internal("1/s", "divergence of the velocity, filtered over the time that sound takes over a smoothing length"), Unmirrored[], None;
+    pub(crate) divergence_twice: f64 = 0.0, Reference, Internal("1/s", "the same, filtered again"), Unmirrored[], None;
     pub(crate) damping_rate: f64 = 0.0, Reference, Internal("1/s", "how fast viscosity damps neighbours that swing against each other"), Unmirrored[], None;
     pub(crate) reference_normal: Vector<f64> = [0.0; 3], Faces,
         Internal("1/m", "outward normal of the surface in the reference configuration, zero inside"), Vector[Search], None;

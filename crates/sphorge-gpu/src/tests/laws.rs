@@ -252,7 +252,10 @@ pub(super) fn laws() -> Vec<Law> {
             let switch = viscosity::balsara(&l, x[2], h);
             let pi = viscosity::viscous_pressure(p, mu, x[2], T::of(1.0 / 8930.0));
             let bulk = viscosity::bulk_viscosity(p, divergence, T::of(8930.0), x[2], h);
-            vec![mu, pi, switch, viscosity::switched(pi, switch, T::of(0.5)), bulk, viscosity::bulk_mu(&l, h)]
+            let last = viscosity::FilteredDivergence { once: x[3], twice: x[4] };
+            let (filtered, share) = last.after(divergence, T::of(1e-7), h / x[2]);
+            let switched = viscosity::switched(pi, switch, T::of(0.5));
+            vec![mu, pi, switch, switched, bulk, viscosity::bulk_mu(&l, h), filtered.once, filtered.twice, share]
         }
     );
     law!(

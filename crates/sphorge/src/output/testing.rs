@@ -41,6 +41,7 @@ pub(crate) fn model(bodies: &[&str]) -> Model {
             viscosity_alpha: 1.0,
             viscosity_beta: 1.0,
             viscosity_of_shocks: 0.0,
+            viscosity_of_all_waves: false,
             balsara: false,
             artificial_stress: None,
             xsph: 0.0,

@@ -56,22 +56,19 @@ fn behind_a_shock_is_the_state_of_the_hugoniot() {
         let (found, energy, highest) = behind(&simulation, (jump, speed));
         assert!((found / pressure - 1.0).abs() < 5e-3, "{impact}: {found} of {pressure}");
         assert!((energy / (0.5 * jump * jump) - 1.0).abs() < 0.03, "{impact}: {energy}");
-        // What rings from particle to particle; with a quadratic viscosity of 1 nearly as much as the shock itself at 2 km/s.
-        assert!(highest < 1.4 * pressure, "{impact}: {highest} of {pressure}");
+        // What rings from particle to particle; with a quadratic viscosity of 1 nearly as much as the shock itself at 2 km/s, without one of shocks a third.
+        assert!(highest < 1.05 * pressure, "{impact}: {highest} of {pressure}");
     }
 }
-
-/// Viscosity of shocks along pairs.
-const IN_SHOCKS: (&str, &str) = ("numerics.viscosity.shocks", "0.5");
 
 /// Impact of the fastest plates, m/s: with a constant Grüneisen parameter of two, shocks of more than 15.4 km/s compress by its limit of two.
 const FASTEST: f64 = 10000.0;
 
 #[test]
-fn viscosity_of_shocks_leaves_no_ringing_behind_them() {
-    for impact in [500.0, 2000.0, FASTEST] {
+fn shocks_leave_no_ringing_behind_them() {
+    for (impact, most) in [(200.0, 1.05), (500.0, 1.05), (2000.0, 1.05), (FASTEST, 1.08)] {
         let velocity = format!("[\"{impact} m/s\"]");
-        let mut simulation = simulation(PLATES, &[("body.flyer.velocity", &velocity), IN_SHOCKS]);
+        let mut simulation = simulation(PLATES, &[("body.flyer.velocity", &velocity)]);
         let (jump, speed) = hugoniot(impact);
         let pressure = 8930.0 * speed * jump;
         // What starts at the faces is left out: twelve particles of each plate.
@@ -86,10 +83,31 @@ fn viscosity_of_shocks_leaves_no_ringing_behind_them() {
             let far = (0..p.len()).filter(|&i| start[&p.id[i]].abs() > 1.2e-3).map(|i| p.pressure[i]);
             highest = far.fold(highest, f64::max);
         }
-        assert!(highest < 1.1 * pressure, "{impact}: {highest} of {pressure}");
+        assert!(highest < most * pressure, "{impact}: {highest} of {pressure}");
         let (found, energy, _) = behind(&simulation, (jump, speed));
         assert!((found / pressure - 1.0).abs() < 5e-3, "{impact}: {found} of {pressure}");
-        assert!((energy / (0.5 * jump * jump) - 1.0).abs() < 0.03, "{impact}: {energy}");
+        // Slow shocks have not forgotten how they began.
+        let within = if impact < 500.0 { 0.05 } else { 0.03 };
+        assert!((energy / (0.5 * jump * jump) - 1.0).abs() < within, "{impact}: {energy}");
+    }
+}
+
+#[test]
+fn free_surfaces_start_at_the_velocity_of_the_impact() {
+    for (impact, most) in [(200.0, 1.03), (500.0, 1.02), (2000.0, 1.03)] {
+        let velocity = format!("[\"{impact} m/s\"]");
+        let thin = ("body.target.shape.box.max", "[\"10 mm\"]");
+        let mut simulation = simulation(PLATES, &[("body.flyer.velocity", &velocity), thin]);
+        let (_, speed) = hugoniot(impact);
+        let end = 10e-3 / speed + 2.5e-3 / 3940.0;
+        let mut highest = 0.0f64;
+        while simulation.time() < end {
+            simulation.step(Some(end)).unwrap_or_else(|failure| panic!("{failure}"));
+            let p = simulation.particles().unwrap();
+            let last = (0..p.len()).max_by(|&i, &j| p.position[i][0].total_cmp(&p.position[j][0])).unwrap();
+            highest = highest.max(p.velocity[last][0]);
+        }
+        assert!(highest > 0.99 * impact && highest < most * impact, "{impact}: {highest}");
     }
 }
 
@@ -128,6 +146,34 @@ fn viscosity_of_shocks_does_not_act_in_waves() {
     assert_eq!(velocities, run(&[("numerics.viscosity", "false")]).1);
     // Twenty times as fast the wave has the rates of a shock.
     assert!(run(&[alone, ("body.bar.velocity-profile.amplitude", "[\"100 m/s\"]")]).0 > 0.0);
+}
+
+#[test]
+fn waves_last_and_viscosity_on_all_of_them_damps_them() {
+    // The amplitude of the velocity, from the largest kinetic energies of the first and the fiftieth period.
+    let row =
+        |k: u32| format!("[\"{} mm\", {}]", 0.5 * f64::from(k), (f64::from(k) * std::f64::consts::PI / 20.0).sin());
+    let sine = format!("[{}]", (0..=40).map(row).collect::<Vec<_>>().join(", "));
+    let kept = |overrides: &[(&str, &str)]| {
+        let of_one_length = ("body.bar.velocity-profile.rows", &*sine);
+        let mut simulation = simulation(STANDING, &[&[of_one_length], overrides].concat());
+        let period = 20e-3 / f64::sqrt(70e9 * 0.67 / (1.33 * 0.34) / 2700.0);
+        let mut most = |until: f64| {
+            let mut most = 0.0f64;
+            while simulation.time() < until {
+                simulation.step(Some(until)).unwrap_or_else(|failure| panic!("{failure}"));
+                most = most.max(simulation.ledger().unwrap().total.energies.kinetic);
+            }
+            most
+        };
+        let first = most(period);
+        most(49.0 * period);
+        (most(50.0 * period) / first).sqrt()
+    };
+    let by_default = kept(&[]);
+    assert!(by_default > 0.95 && by_default < 1.0, "{by_default}");
+    let all = kept(&[("numerics.viscosity.all-waves", "true")]);
+    assert!((0.3..0.4).contains(&all), "{all}");
 }
 
 /// A disc that turns, and is pressed together along one axis at a third of the sound speed from edge to edge.
@@ -176,7 +222,8 @@ fn springs_between_bodies_do_not_step_as_far_as_waves() {
 fn a_fixed_step_is_held_against_limits_of_one_courant_number() {
     // Two thirds of the stability limit of the springs between the plates, which it is less than.
     let time = "{ end = \"1 s\", courant = 0.9, fixed-step = \"10 ns\" }";
-    let mut simulation = simulation(PLATES, &[("body.flyer.velocity", "[\"100 m/s\"]"), ("time", time)]);
+    let slow = ("body.flyer.velocity", "[\"100 m/s\"]");
+    let mut simulation = simulation(PLATES, &[("numerics.viscosity.shocks", "0.0"), slow, ("time", time)]);
     run_to(&mut simulation, 0.3e-6);
 }
 

@@ -88,13 +88,19 @@ fn impact(overrides: &[(&str, &str)]) -> Impact {
 
 /// Both forms, with the viscosity that keeps a shock from ringing.
 const FORMS: [&str; 2] = ["updated-lagrangian", "total-lagrangian"];
-const VISCOSITY: [(&str, &str); 2] = [("numerics.viscosity.alpha", "1.0"), ("numerics.viscosity.beta", "2.0")];
+
+fn viscosity(form: &str) -> Vec<(&'static str, &'static str)> {
+    match form {
+        "total-lagrangian" => vec![("numerics.viscosity.shocks", "1.0")],
+        _ => vec![("numerics.viscosity.alpha", "1.0"), ("numerics.viscosity.beta", "2.0")],
+    }
+}
 
 fn spalled(form: &str, more: &[(&str, &str)]) -> Impact {
     let mut overrides = vec![("method", form), ("material.copper.spall-pressure", "1 GPa")];
     // Artificial stress pushes against a tenth of the tension.
     overrides.push(("numerics.artificial-stress", "false"));
-    overrides.extend(VISCOSITY);
+    overrides.extend(viscosity(form));
     overrides.extend(more);
     impact(&overrides)
 }
@@ -285,7 +291,8 @@ fn what_never_yields_spalls_and_its_scab_flies_on() {
             assert!((20..40).contains(&scab.len()), "{pressure}: {}", scab.len());
             scab.iter().sum::<f64>() / scab.len() as f64
         };
-        let speeds = [6e-6, 9e-6, 12e-6].map(&mut speed);
+        // Loose layers beside it push it a little before.
+        let speeds = [7e-6, 9.5e-6, 12e-6].map(&mut speed);
         println!("{pressure}: {speeds:?} of {expected}");
         for found in speeds {
             assert!((found / expected - 1.0).abs() < 0.05, "{pressure}: {speeds:?} of {expected}");

@@ -63,6 +63,7 @@ pub(in crate::reduction) fn model(materials: Vec<Material>) -> Model {
             viscosity_alpha: 1.0,
             viscosity_beta: 1.0,
             viscosity_of_shocks: 0.0,
+            viscosity_of_all_waves: false,
             balsara: false,
             artificial_stress: None,
             xsph: 0.0,

@@ -261,13 +261,15 @@ groups! {
     /// Deformation gradient, and its low part.
     Deformation: particles if is_total_lagrangian { deformation: CompensatedTensor };
     /// Smallest principal stretch, bulk viscosity of the last stress, Pa, whether a stretch is beyond a bound, and of the viscosity what damps pairs in shocks,
-    /// `chi c rho_0`, Pa s/m, and how fast all of it damps, 1/s.
+    /// `chi c rho_0`, Pa s/m, and how fast all of it damps, 1/s; the divergence of the velocity filtered once and twice, 1/s.
     Stretch: particles if is_total_lagrangian {
         smallest: Number,
         bulk_viscosity: Number,
         is_beyond: Number,
         impedance: Number,
         damping_rate: Number,
+        divergence_once: Number,
+        divergence_twice: Number,
     };
     /// Hourglass springs: the least stretch at which the particle has yielded, zero where there are no springs, and of the
     /// last force sum the mean square of their misfit, and the stress of their moment, Pa.

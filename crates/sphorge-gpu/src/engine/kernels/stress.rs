@@ -1,7 +1,7 @@
 //! The stress of the particles of a material: equation of state, trial stress, return mapping, heat.
 
 use super::pairs::compressed;
-use super::reference::{Deformations, References};
+use super::reference::{Deformations, References, Separated};
 use crate::engine::columns::{
     Binder, Compensated, Group, Member, Read, ReadColumns, ReadShared, Recording, Shared, SymmetricColumns, Write,
     WriteColumns, added, groups, recording,
@@ -22,7 +22,7 @@ use sphorge_physics::return_mapping::{Returned, return_mapping_near};
 use sphorge_physics::stress::trial_deviator;
 use sphorge_physics::total_lagrangian::{LARGEST_STRETCH_OF_A_LIQUID, stretched};
 use sphorge_physics::viscosity::{
-    ViscosityParameters, balsara, bulk_viscosity, bulk_viscous_power, damping_rate, shock_share,
+    FilteredDivergence, ViscosityParameters, balsara, bulk_viscosity, bulk_viscous_power, damping_rate, shock_share,
 };
 use sphorge_physics::{Real, SymmetricTensor, Tensor};
 
@@ -114,7 +114,7 @@ pub(in crate::engine) fn stress(
             point.heat(bind, &energies, &returned, (rho, borne.integrity));
         }
         if of.is_read_by_forces() {
-            point.pack(bind, &returned, (rho, e), (state, &borne));
+            point.pack(bind, references, &returned, (rho, e), (state, &borne));
         }
     })
 }
@@ -406,6 +406,7 @@ impl<'a> Point<'a> {
     fn pack(
         &self,
         bind: &mut Binder<'_>,
+        references: References,
         returned: &Returned<Recorded>,
         (rho, e): (Recorded, Recorded),
         (state, borne): (PressureState<Recorded>, &Borne<Recorded>),
@@ -416,7 +417,8 @@ impl<'a> Point<'a> {
         let mut pressure = state.pressure;
         if model.is_total_lagrangian() {
             let stretch = groups::Stretch::write(bind);
-            pressure += self.bulk_viscosity(bind, (stretch, constants), rho, (state.sound_speed, borne.share));
+            pressure +=
+                self.bulk_viscosity(bind, references, (stretch, constants), (rho, state.sound_speed, borne.share));
             self.mark_liquid(bind, stretch, returned, (rho, e, borne.integrity));
         }
         let sigma = (returned.deviator - SymmetricTensor::isotropic(pressure)) * stress_scale(numerics.pair_form, rho);
@@ -437,9 +439,9 @@ impl<'a> Point<'a> {
     fn bulk_viscosity(
         &self,
         bind: &mut Binder<'_>,
+        references: References,
         (stretch, constants): (groups::Stretch<Write>, groups::Constants<Read>),
-        rho: Recorded,
-        (sound_speed, share): (Recorded, Recorded),
+        (rho, sound_speed, share): (Recorded, Recorded, Recorded),
     ) -> Recorded {
         let (numerics, l, i) = (&self.model.numerics, &self.l, self.i);
         let accounts = groups::Accounts::write(bind);
@@ -462,7 +464,19 @@ impl<'a> Point<'a> {
             let at_rest = constants.mass.get(i) / groups::Reference::read(bind).volume.high().get(i);
             stretch.impedance.set(i, share * in_shocks * sound_speed * at_rest);
         }
-        let q = share * bulk_viscosity(parameters, divergence, rho, sound_speed, shortest);
+        let last = FilteredDivergence { once: stretch.divergence_once.get(i), twice: stretch.divergence_twice.get(i) };
+        let (filtered, on_short_waves) = last.after(divergence, self.dt, shortest / sound_speed);
+        stretch.divergence_once.set(i, filtered.once);
+        stretch.divergence_twice.set(i, filtered.twice);
+        // What cracks, or has come apart, lets go at once: all waves are damped.
+        let acts_on_all = numerics.viscosity_of_all_waves || self.material.breaks();
+        let on_short_waves = match (Separated::of(bind, self.model, references), acts_on_all) {
+            (_, true) => Recorded::one(),
+            (None, false) => on_short_waves,
+            (Some(apart), false) => on_short_waves.max(apart.has_separated(i)),
+        };
+        let acting = ViscosityParameters { alpha: on_short_waves * parameters.alpha, beta: parameters.beta };
+        let q = share * bulk_viscosity(acting, divergence, rho, sound_speed, shortest);
         let power = bulk_viscous_power(mean(stretch.bulk_viscosity.get(i), q), divergence, rho);
         accounts.viscous.add(i, constants.mass.get(i) * self.dt * power);
         stretch.bulk_viscosity.set(i, q);
