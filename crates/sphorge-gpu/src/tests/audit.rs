@@ -100,8 +100,8 @@ fn lists_of_the_initial_configuration_are_audited_as_on_the_cpu() {
     assert!(theirs.is_empty() || changes(&theirs), "{theirs:?}");
     // Those after a renewal are those of the configuration of then; beside planes; what bodies and parts of one press in the contact is not missed.
     compare(text(IRON.0), &[&iron[..], &[("search.total-lagrangian.renewal", "1.1")]].concat(), 10e-6);
-    // Images come near the planes.
-    compare(text("copper-bar"), &[("particles.spacing", "\"0.95 mm\""), audit, ("time.courant", "0.3")], 8e-6);
+    // Images come near the planes. At a Courant number of 0.3 six pairs of the ring lattice lie at the edge of the support to the last digit.
+    compare(text("copper-bar"), &[("particles.spacing", "\"0.95 mm\""), audit, ("time.courant", "0.32")], 8e-6);
     // When they press each other: the stress of before is rounding.
     let late = ("audit", "140");
     compare(&striking(RUBS), &[late], 13e-6);
