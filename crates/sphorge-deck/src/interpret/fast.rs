@@ -9,10 +9,10 @@ use sphorge_engine::reduction::extent_between_planes;
 /// Share of the sound speed at which bodies approach each other, or something rigid, beyond which viscosity of shocks acts, and from which on all of it does. Bars
 /// that strike walls at 300 m/s have 0.08, blocks of copper that strike each other at 400 m/s 0.10, plates of copper that meet at 500 m/s 0.127.
 const FAST: [f64; 2] = [0.115, 0.125];
-/// The same between plates ([`are_plates`]), in which shocks of any strength arrive at the far side before the edges are heard of: of copper 39 and 59 m/s.
+/// The same between plates ([`flatness`]), in which shocks of any strength arrive at the far side before the edges are heard of: of copper 39 and 59 m/s.
 const FAST_PLATES: [f64; 2] = [0.01, 0.015];
-/// Width over thickness from which on bodies are plates.
-const WIDE: f64 = 2.0;
+/// Width over thickness up to which bodies are none, and from which on they are plates.
+const WIDE: [f64; 2] = [1.5, 2.0];
 
 /// Viscosity of shocks of a model, of which the method has `usual` where impacts are fast, unless the deck gives any viscosity itself.
 pub(crate) fn viscosity_of_shocks(raw: &RawNumerics, usual: f64, model: &Model) -> f64 {
@@ -29,10 +29,9 @@ pub(crate) fn viscosity_of_shocks(raw: &RawNumerics, usual: f64, model: &Model) 
     usual * share_of_impacts(model)
 }
 
-/// Share of the viscosity of shocks for a speed of approach over that of sound.
-fn share(approach: f64, are_plates: bool) -> f64 {
-    let [from, all] = if are_plates { FAST_PLATES } else { FAST };
-    ((approach - from) / (all - from)).clamp(0.0, 1.0)
+/// Share of the way between two numbers, from zero to one.
+fn between([from, to]: [f64; 2], value: f64) -> f64 {
+    ((value - from) / (to - from)).clamp(0.0, 1.0)
 }
 
 /// Largest share for the speed over that of sound at which a body approaches another one, a wall, a plane of symmetry or what is moved, at the start.
@@ -43,7 +42,9 @@ fn share_of_impacts(model: &Model) -> f64 {
         for v in velocities(body) {
             let mut approach = |relative: [f64; 3], speed: f64, other: Option<&Body>| {
                 let slower = other.map_or(f64::INFINITY, sound).min(sound(body));
-                most = most.max(share(speed / slower, are_plates(model, [Some(body), other], relative)));
+                let flatness = flatness(model, [Some(body), other], relative);
+                let share = between(FAST, speed / slower).max(flatness * between(FAST_PLATES, speed / slower));
+                most = most.max(share);
             };
             for other in &model.bodies[k + 1..] {
                 for w in velocities(other) {
@@ -71,8 +72,13 @@ fn share_of_impacts(model: &Model) -> f64 {
     most
 }
 
-/// Whether bodies that meet in a direction are plates that do not break: the narrower of them is much wider than the thinner of them is thick.
-fn are_plates(model: &Model, bodies: [Option<&Body>; 2], direction: [f64; 3]) -> bool {
+/// How far bodies that meet in a direction are plates that do not break, from zero to one: the narrower of them is much wider than the thinner of them is
+/// thick.
+fn flatness(model: &Model, bodies: [Option<&Body>; 2], direction: [f64; 3]) -> f64 {
+    // In what breaks more layers would tear at once, side by side: fronts are smoother.
+    if model.materials.iter().any(Material::breaks) {
+        return 0.0;
+    }
     let along = (0..3).fold(0, |most, a| if direction[a].abs() > direction[most].abs() { a } else { most });
     let (mut thickness, mut width) = (f64::INFINITY, f64::INFINITY);
     for body in bodies.into_iter().flatten() {
@@ -85,8 +91,7 @@ fn are_plates(model: &Model, bodies: [Option<&Body>; 2], direction: [f64; 3]) ->
             width = width.min(if planes > 1 { f64::INFINITY } else { (1 + planes) as f64 * own });
         }
     }
-    // In what breaks more layers would tear at once, side by side: fronts are smoother.
-    width >= WIDE * thickness && !model.materials.iter().any(Material::breaks)
+    between(WIDE, width / thickness)
 }
 
 /// Velocities that particles of a body have at the start, m/s: at the ends of its profile, if it has one.

@@ -53,7 +53,7 @@ tables! {
         /// Quadratic coefficient.
         beta: Option<Given<Number>>, example 4.0, otherwise "10.0 in the total Lagrangian form, else 1.0";
         /// Linear coefficient of the viscosity of shocks along pairs, up to 10, in the total Lagrangian form. It acts in shocks alone.
-        shocks: Option<Given<Number>>, example 0.5, otherwise "1.0 in the total Lagrangian form where bodies approach each other, walls or symmetry planes at an eighth of the sound speed and more, 0 below 0.115 of it; where plates meet that are twice as wide as thick, and do not break, 1.0 from 0.015 of it on, 0 below 0.01; 0 where `alpha` or `beta` are given";
+        shocks: Option<Given<Number>>, example 0.5, otherwise "1.0 in the total Lagrangian form where bodies approach each other, walls or symmetry planes at an eighth of the sound speed and more, 0 below 0.115 of it; where plates meet that are twice as wide as thick (less down to 1.5 times), and do not break, 1.0 from 0.015 of it on, 0 below 0.01; 0 where `alpha` or `beta` are given";
         /// Whether `alpha` acts on all waves in the total Lagrangian form: what oscillates comes to rest.
         all_waves: Option<Flag>, example true, default false;
         /// Balsara's switch: less viscosity in shear.

@@ -233,6 +233,9 @@ fn viscosity_of_shocks_acts_where_bodies_meet_fast_unless_the_deck_gives_viscosi
     let tall =
         PLATES.replace("\"4 mm\", \"4 mm\"", "\"4 mm\", \"8 mm\"").replace("\"8 mm\", \"4 mm\"", "\"8 mm\", \"8 mm\"");
     assert_eq!((plates(PLATES, &[]), plates(&tall, &[])), (0.0, 1.0));
+    // By and by: of 1.75 times as much half of it.
+    let between = tall.replace("\"8 mm\"]", "\"7 mm\"]");
+    assert!((plates(&between, &[]) - 0.5).abs() < 1e-9);
     assert_eq!(shocks(&tall, &[(velocity, "[\"39 m/s\", 0]")]), 0.0);
     assert!((shocks(&tall, &[(velocity, "[\"49.25 m/s\", 0]")]) - 0.5).abs() < 1e-9);
     // Along the other axis they are thick, and a narrow flyer makes no plane wave.
