@@ -10,8 +10,9 @@ use sphorge_engine::model::{
 };
 use sphorge_engine::{BodyLedger, ContactLedger, Ledger, LimitReason, TimeStepLimit, WallLedger};
 use sphorge_physics::conduction::{
-    HeatPair, Inflow, Lattice, add_temperature_gradient, added_flow, best_flow, cell_size, conducting_share, face_area,
-    friction_share, lattice, pair_conductivity, surface_area, surface_conductance, touch,
+    HeatPair, Inflow, Lattice, Surroundings, add_temperature_gradient, added_flow, best_flow, cell_size,
+    conducting_share, face_area, friction_share, lattice, pair_conductivity, replaced, surface_area,
+    surface_conductance, touch, turned, turned_back,
 };
 use sphorge_physics::contact::{
     ContactBody, ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
@@ -24,7 +25,7 @@ use sphorge_physics::time_step::{
 };
 use sphorge_physics::total_lagrangian::{extreme_point, limiting_length, smallest_stretch};
 use sphorge_physics::wall::{Gap, PenaltyParameters, monaghan_kos, penalty_contact, penalty_energy};
-use sphorge_physics::{Dimension, Tensor, Vector};
+use sphorge_physics::{Dimension, SymmetricTensor, Tensor, Vector};
 
 /// What the last evaluation of forces left for the accounts, and constants by body.
 #[derive(Default)]
@@ -424,22 +425,44 @@ impl Oracle {
         });
         let mut powers = vec![0.0; model.thermal.boundaries.len()];
         let mut limit = f64::INFINITY;
+        // The pairs that exchange heat, and whether at initial positions.
+        let joined = |i: usize| {
+            let touching = self.contacts(i).filter(move |n| p.body[n.j] != p.body[i]).map(|n| (n, false));
+            let (a, touched) = (p.body[i], &touched);
+            self.pairs(i, at).map(|n| (n, initial)).chain(touching).filter(move |(n, _)| {
+                let b = p.body[n.j];
+                a == b || touched[i] == Some(b) || touched[n.j] == Some(a)
+            })
+        };
+        let volume_at =
+            |i: usize, initial: bool| if initial { self.initial_volume[i] } else { p.mass[i] / p.density[i] };
+        let correction_of = |i: usize, j: usize| mean(1.0 / lattice_of(i).moment, 1.0 / lattice_of(j).moment);
+        // What replaces missing pairs, in the configuration of the sums.
+        let replacements = self.each(|i| {
+            let mut surroundings = Surroundings::none();
+            for (n, at_first) in joined(i) {
+                let x = if initial && !at_first { turned_back(n.x, &self.deformation[i]) } else { n.x };
+                surroundings.add(-n.f * volume_at(n.j, at_first) * correction_of(i, n.j), n.r * n.r, x);
+            }
+            surroundings.replacement(lattice_of(i).moment / lattice_of(i).row_moment - 1.0)
+        });
         let rates = self.each(|i| {
             let mut sum = Inflow::default();
-            let touching = self.contacts(i).filter(|n| p.body[n.j] != p.body[i]).map(|n| (n, false));
-            for (n, initial) in self.pairs(i, at).map(|n| (n, initial)).chain(touching) {
+            for (n, initial) in joined(i) {
                 let j = n.j;
-                let (a, b) = (p.body[i], p.body[j]);
-                if a != b && touched[i] != Some(b) && touched[j] != Some(a) {
-                    continue;
-                }
-                let volume = |i: usize| if initial { self.initial_volume[i] } else { p.mass[i] / p.density[i] };
+                let volume = |i: usize| volume_at(i, initial);
+                let seen = |i: usize| match initial || model.formulation == Formulation::UpdatedLagrangian {
+                    true => replacements[i],
+                    false => turned(replacements[i], &self.deformation[i]),
+                };
+                let of_other = SymmetricTensor::symmetric_part(&n.image.tensor(&seen(j).to_tensor()));
                 let share = share_of(i).min(share_of(j));
                 let pair = HeatPair {
                     volumes: (volume(i), volume(j)),
                     conductivity: share
                         * pair_conductivity(self.material(i).conductivity, self.material(j).conductivity),
-                    correction: mean(1.0 / lattice_of(i).moment, 1.0 / lattice_of(j).moment),
+                    correction: correction_of(i, j),
+                    replaced: replaced(seen(i), of_other, n.x, n.r * n.r),
                     slope: -n.f,
                     r2: n.r * n.r,
                     difference: p.temperature[j] - p.temperature[i],

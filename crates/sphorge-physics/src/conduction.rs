@@ -8,6 +8,20 @@
 //! is the Laplacian times its second moment `sum_j V_j r |dW/dr| / d`, which is not quite one for a finite number of neighbours and
 //! does not become one with smaller spacing; pairs are divided by it ([`Lattice::moment`]).
 //!
+//! A particle at a face lacks pairs, of which those along the face carry heat along it: a row at a face conducts 0.81 of what a row
+//! inside does, one at an edge 0.66. Its other pairs replace them. With the directions `n` of the pairs, and the weights
+//! `w_ij = V_j r |dW/dr|` over the moment of the lattice, so that `M_i = sum_j w_ij n ⊗ n` is the unit tensor inside,
+//!
+//! `Q_ij -> Q_ij (1 + n . (R_i + R_j) n/2)`,  `R_i = alpha Q + beta I`,
+//!
+//! where `Q` is the projection on the directions in which `M_i` is largest, those along the face or the edge, and `alpha` and `beta`
+//! follow from what the moment is to be: the unit tensor there, and as it is across, where a pair less is no conduction less,
+//!
+//! `sum_j w_ij n.Qn (1 + n . R_i n) = tr Q`,  `sum_j w_ij (1 - n.Qn) n . R_i n = 0`
+//!
+//! ([`Surroundings::replacement`]). The mean of both particles keeps pairs antisymmetric, and what each of them asks for is what all
+//! of them together get: in the sum over a body a pair counts for both. So heat along a bar of any cross section is exact on a lattice.
+//!
 //! Surfaces are found as they form (as in Fraser's adaptive thermal boundaries) by the divergence of position,
 //! `div x = - sum_j V_j x_ij . grad W_ij`, the same moment times `d`: a particle is on a surface where it lacks at least half of
 //! what the outermost layer of a flat body lacks, and its share of the surface is in proportion to what it lacks.
@@ -27,7 +41,7 @@
 
 use crate::kernel::Kernel;
 use crate::tensor::{determinant, dot, inverse, multiply, transpose};
-use crate::{Dimension, Elementary, Real, Tensor, Vector};
+use crate::{Dimension, Elementary, Numbers, Real, SymmetricTensor, Tensor, Vector};
 
 /// Sums over a square or cubic lattice.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,6 +50,16 @@ pub struct Lattice {
     pub moment: f64,
     /// The same in the outermost layer of a half space.
     pub surface_moment: f64,
+    /// The same along a row alone, which no body is more slender than, `sum_j V_j r |dW/dr|`.
+    pub row_moment: f64,
+}
+
+impl Lattice {
+    /// What a particle of a row alone lacks of the conduction of the row in a full lattice, over what it has: the most that is
+    /// [replaced](Surroundings::replacement).
+    pub fn most_replaced(&self) -> f64 {
+        self.moment / self.row_moment - 1.0
+    }
 }
 
 /// Sums over a lattice of this spacing and smoothing length, m.
@@ -53,6 +77,9 @@ pub fn lattice(kernel: Kernel, dimension: Dimension, spacing: f64, h: f64) -> La
                 sums.moment += slope * r2 / f64::from(d);
                 if x >= 0 {
                     sums.surface_moment += slope * r2 / f64::from(d);
+                }
+                if y == 0 && z == 0 {
+                    sums.row_moment += slope * r2;
                 }
             }
         }
@@ -125,6 +152,8 @@ pub struct HeatPair<T> {
     pub conductivity: T,
     /// One over the moment of the lattice ([`Lattice::moment`]), mean of both bodies.
     pub correction: T,
+    /// What it conducts for pairs that are missing, too, over what it conducts by itself ([`replaced`]).
+    pub replaced: T,
     /// `-(1/r) dW/dr`, m^-(d+2).
     pub slope: T,
     /// `r^2`, m^2.
@@ -165,11 +194,172 @@ impl<T: Real> Inflow<T> {
     #[inline(always)]
     fn add_conductance(&mut self, pair: &HeatPair<T>, better: T, dimension: Dimension) -> T {
         let (volume_i, volume_j) = pair.volumes;
-        let conductance = (volume_i * volume_j) * pair.conductivity * (pair.correction * pair.slope);
+        let conductance = (volume_i * volume_j) * pair.conductivity * (pair.correction * pair.slope) * pair.replaced;
         self.conductance += better * conductance;
         self.filled += pair.correction * volume_j * pair.slope * pair.r2 / T::of(dimension.count() as f64);
         conductance
     }
+}
+
+/// Products of four components of a direction: their axes, and how many orders of these there are.
+const PRODUCTS: [([usize; 4], f64); 15] = [
+    ([0, 0, 0, 0], 1.0),
+    ([1, 1, 1, 1], 1.0),
+    ([2, 2, 2, 2], 1.0),
+    ([0, 0, 1, 1], 6.0),
+    ([1, 1, 2, 2], 6.0),
+    ([0, 0, 2, 2], 6.0),
+    ([0, 0, 0, 1], 4.0),
+    ([0, 0, 0, 2], 4.0),
+    ([0, 1, 1, 1], 4.0),
+    ([1, 1, 1, 2], 4.0),
+    ([0, 2, 2, 2], 4.0),
+    ([1, 2, 2, 2], 4.0),
+    ([0, 0, 1, 2], 12.0),
+    ([0, 1, 1, 2], 12.0),
+    ([0, 1, 2, 2], 12.0),
+];
+
+/// How the pairs of a particle lie about it: `sum_j w_ij n_a n_b n_c n_d` over its pairs, with their directions `n` and the weights
+/// `w_ij = V_j r |dW/dr|` over the moment of the lattice; the fifteen components that differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Surroundings<T> {
+    moments: [T; 15],
+}
+
+impl<T: Real> Numbers<T> for Surroundings<T> {
+    #[inline(always)]
+    fn each(&mut self, visit: &mut dyn FnMut(&mut T)) {
+        self.moments.iter_mut().for_each(visit);
+    }
+}
+
+/// Squares by which the largest principal value of a moment prevails: one that is 2 % less keeps 1 % of its weight.
+const SQUARES: u32 = 8;
+
+/// By how much pairs across the directions in which others replace missing ones conduct less at most, as a share.
+const MOST_WITHDRAWN: f64 = 0.5;
+
+impl<T: Real> Surroundings<T> {
+    /// No pairs yet.
+    pub fn none() -> Self {
+        Self { moments: [T::zero(); 15] }
+    }
+
+    /// Adds a pair of the weight `w_ij/r^2` (1/m^2), with the square of its distance (m^2), in the direction of `x_ij`.
+    #[inline(always)]
+    pub fn add(&mut self, weight: T, r2: T, x_ij: Vector<T>) {
+        let scale = T::one() / dot(x_ij, x_ij).max(T::of(LEAST));
+        let square = |a: usize, b: usize| scale * x_ij[a] * x_ij[b];
+        let (xx, yy, zz) = (square(0, 0), square(1, 1), square(2, 2));
+        let (xy, yz, xz) = (square(0, 1), square(1, 2), square(0, 2));
+        let products = [
+            xx * xx,
+            yy * yy,
+            zz * zz,
+            xx * yy,
+            yy * zz,
+            xx * zz,
+            xx * xy,
+            xx * xz,
+            xy * yy,
+            yy * yz,
+            xz * zz,
+            yz * zz,
+            xx * yz,
+            xy * yz,
+            xy * zz,
+        ];
+        let weight = weight * r2;
+        for (moment, product) in self.moments.iter_mut().zip(products) {
+            *moment += weight * product;
+        }
+    }
+
+    /// `M = sum_j w_ij n ⊗ n`.
+    fn moment(&self) -> Tensor<T> {
+        let [xxxx, yyyy, zzzz, xxyy, yyzz, xxzz, xxxy, xxxz, xyyy, yyyz, xzzz, yzzz, xxyz, xyyz, xyzz] = self.moments;
+        let (xy, yz, xz) = (xxxy + xyyy + xyzz, xxyz + yyyz + yzzz, xxxz + xyyz + xzzz);
+        [[xxxx + xxyy + xxzz, xy, xz], [xy, yyyy + xxyy + yyzz, yz], [xz, yz, zzzz + xxzz + yyzz]]
+    }
+
+    /// `sum_j w_ij (n . q n)^2` with a symmetric `q`.
+    fn squared(&self, q: &Tensor<T>) -> T {
+        let mut sum = T::zero();
+        for (moment, ([a, b, c, d], orders)) in self.moments.iter().zip(PRODUCTS) {
+            // The mean of the three ways to make two pairs of four axes.
+            let ways = q[a][b] * q[c][d] + q[a][c] * q[b][d] + q[a][d] * q[b][c];
+            sum += T::of(orders / 3.0) * ways * *moment;
+        }
+        sum
+    }
+
+    /// `R`, by how much more its pairs conduct for those that are missing, by direction: `n . R n`. `most` is what is replaced at most
+    /// ([`Lattice::most_replaced`]). Nothing where nothing is missing in the direction in which there is most.
+    pub fn replacement(&self, most: T) -> SymmetricTensor<T> {
+        let (zero, one, least) = (T::zero(), T::one(), T::of(LEAST));
+        let m = self.moment();
+        let all = trace(&m);
+        // The projection on the directions of the largest principal value, over their number.
+        let mut p = scaled(&m, one / all.max(least));
+        for _ in 0..SQUARES {
+            p = multiply(&p, &p);
+            p = scaled(&p, one / trace(&p).max(least));
+        }
+        let count = one / double_dot(&p, &p).max(least);
+        let q = scaled(&p, count);
+        let (along, twice) = (double_dot(&q, &m), self.squared(&q));
+        let lacking = (count - along).max(zero);
+        let (across, oblique) = (all - along, along - twice);
+        let little = T::of(1e-3) * all.max(least);
+        let ratio = T::select_lt(little, across, oblique / across.max(little), zero);
+        let beta = -(lacking * ratio / (twice - along * ratio).max(little)).min(T::of(MOST_WITHDRAWN));
+        let alpha = ((lacking - beta * along) / twice.max(little)).min(most - beta);
+        let of = |a: usize, b: usize| {
+            let unit = if a == b { beta } else { zero };
+            T::select_lt(T::of(1e-6), all, alpha * q[a][b] + unit, zero)
+        };
+        SymmetricTensor { xx: of(0, 0), yy: of(1, 1), zz: of(2, 2), xy: of(0, 1), yz: of(1, 2), xz: of(0, 2) }
+    }
+}
+
+/// What a divisor is at least, so that nothing over nothing is nothing.
+const LEAST: f64 = 1e-30;
+
+/// How many times as much as by itself a pair conducts at the distance `x_ij` (m, its square `r2`), with the
+/// [replacements](Surroundings::replacement) of its particles.
+#[inline(always)]
+pub fn replaced<T: Real>(r_i: SymmetricTensor<T>, r_j: SymmetricTensor<T>, x_ij: Vector<T>, r2: T) -> T {
+    let r = r_i + r_j;
+    let [x, y, z] = x_ij;
+    let squares = r.xx * x * x + r.yy * y * y + r.zz * z * z;
+    let along = squares + T::of(2.0) * (r.xy * x * y + r.yz * y * z + r.xz * x * z);
+    (T::one() + T::of(0.5) * along / r2.max(T::of(LEAST))).max(T::zero())
+}
+
+/// A replacement of the initial configuration in the current one, turned with the deformation gradient.
+pub fn turned<T: Real>(r: SymmetricTensor<T>, f: &Tensor<T>) -> SymmetricTensor<T> {
+    let turned = multiply(&multiply(f, &r.to_tensor()), &transpose(f));
+    let stretch = T::of(3.0) / double_dot(f, f);
+    SymmetricTensor::symmetric_part(&turned) * stretch
+}
+
+/// The direction in the initial configuration of one in the current configuration.
+pub fn turned_back<T: Real>(x: Vector<T>, f: &Tensor<T>) -> Vector<T> {
+    apply(&inverse(f), x)
+}
+
+fn trace<T: Real>(a: &Tensor<T>) -> T {
+    a[0][0] + a[1][1] + a[2][2]
+}
+
+fn scaled<T: Real>(a: &Tensor<T>, s: T) -> Tensor<T> {
+    a.map(|row| row.map(|c| s * c))
+}
+
+/// `a : b`.
+fn double_dot<T: Real>(a: &Tensor<T>, b: &Tensor<T>) -> T {
+    dot(a[0], b[0]) + dot(a[1], b[1]) + dot(a[2], b[2])
 }
 
 /// Adds an initial neighbour to the gradient of the temperature (K/m) of the total Lagrangian form, before the correction `B`.
@@ -325,6 +515,189 @@ mod tests {
     }
 
     #[test]
+    fn a_row_alone_has_its_pairs_along_it() {
+        // In a plane, h = spacing: two next neighbours of four, none across.
+        let sums = lattice(Kernel::CubicSpline, Dimension::Two, 0.5, 0.5);
+        let root = Real::sqrt(2.0);
+        let (near, far) = (0.5, 0.5 * root * (2.0 - root) * (2.0 - root));
+        let scale = 15.0 / (7.0 * core::f64::consts::PI);
+        assert!((sums.row_moment - scale * 2.0 * near).abs() < 1e-14, "{sums:?}");
+        assert!((sums.most_replaced() - far / near).abs() < 1e-14, "{sums:?}");
+        // In one dimension all of them: nothing is ever replaced.
+        assert_eq!(lattice(Kernel::CubicSpline, Dimension::One, 1.0, 1.3).most_replaced(), 0.0);
+    }
+
+    /// What a particle with these pairs, of weight and direction, sees; the distance does not matter.
+    fn seen(pairs: &[(f64, Vector<f64>)]) -> Surroundings<f64> {
+        let mut surroundings = Surroundings::none();
+        for (weight, x) in pairs {
+            surroundings.add(weight / 4.0, 4.0, *x);
+        }
+        surroundings
+    }
+
+    #[test]
+    fn missing_pairs_along_a_face_are_replaced_by_hand() {
+        let (along, up) = ([[2.0, 0.0, 0.0], [-3.0, 0.0, 0.0]], [0.0, 0.5, 0.0]);
+        // M = diag(0.8, 0.4): a quarter more along x, at most what is said; nothing where nothing is missing.
+        let face = seen(&[(0.4, along[0]), (0.4, along[1]), (0.4, up)]);
+        let r = face.replacement(1.0);
+        assert!((r.xx - 0.25).abs() < 1e-14 && r.yy.abs() < 1e-14 && r.xy == 0.0 && r.zz == 0.0, "{r:?}");
+        assert!((face.replacement(0.1).xx - 0.1).abs() < 1e-14);
+        let inside = seen(&[(0.5, along[0]), (0.5, along[1]), (0.5, up), (0.5, [0.0, -1.0, 0.0])]);
+        for c in inside.replacement(1.0).to_tensor().as_flattened() {
+            assert!(c.abs() < 1e-14);
+        }
+        assert_eq!(Surroundings::<f64>::none().replacement(1.0), SymmetricTensor::zero());
+        // With oblique pairs M = diag(0.8, 0.6). Along x 0.6 (1 + alpha + beta) + 2 0.2 0.5 (1 + alpha/2 + beta) = 1, across
+        // 0.4 beta + 2 0.2 0.5 (alpha/2 + beta) = 0: alpha = 6/17, beta = -1/17.
+        let oblique = [(0.2, [1.0, 1.0, 0.0]), (0.2, [-1.0, 1.0, 0.0])];
+        let face = seen(&[(0.3, along[0]), (0.3, along[1]), (0.4, up), oblique[0], oblique[1]]);
+        let r = face.replacement(1.0);
+        assert!((r.xx - 5.0 / 17.0).abs() < 1e-12 && (r.yy + 1.0 / 17.0).abs() < 1e-12, "{r:?}");
+        assert!(r.xy.abs() < 1e-12 && (r.zz + 1.0 / 17.0).abs() < 1e-12, "{r:?}");
+        // Denser than a lattice: nothing is taken away.
+        let dense = seen(&[(0.7, along[0]), (0.7, along[1]), (0.4, up)]);
+        assert_eq!(dense.replacement(1.0), SymmetricTensor::zero());
+    }
+
+    #[test]
+    fn products_of_directions_are_all_there() {
+        let pairs = [
+            (0.3, [1.0, 0.2, -0.4]),
+            (0.2, [-0.3, 0.9, 0.5]),
+            (0.7, [0.1, -0.6, 2.0]),
+            (0.4, [-1.2, -0.5, -0.7]),
+            (0.1, [0.6, 0.8, 0.1]),
+        ];
+        let surroundings = seen(&pairs);
+        let q = [[1.1, -0.3, 0.4], [-0.3, 0.7, 0.25], [0.4, 0.25, -0.2]];
+        let (mut moment, mut squared) = ([[0.0; 3]; 3], 0.0);
+        for (weight, x) in pairs {
+            let length = Real::sqrt(dot(x, x));
+            let n = x.map(|c| c / length);
+            let along = dot(n, apply(&q, n));
+            squared += weight * along * along;
+            for a in 0..3 {
+                for b in 0..3 {
+                    moment[a][b] += weight * n[a] * n[b];
+                }
+            }
+        }
+        assert!((surroundings.squared(&q) - squared).abs() < 1e-14, "{} {squared}", surroundings.squared(&q));
+        for (ours, by_hand) in surroundings.moment().as_flattened().iter().zip(moment.as_flattened()) {
+            assert!((ours - by_hand).abs() < 1e-14);
+        }
+    }
+
+    /// Conduction along bars of so many particles across and down over that of as many rows in a lattice without end; with and without
+    /// replacements.
+    fn conduction_of_bar(across: [i32; 2], dimension: Dimension, smoothing: f64) -> [f64; 2] {
+        let kernel = Kernel::CubicSpline;
+        let lattice = lattice(kernel, dimension, 1.0, smoothing);
+        let rows_z = if dimension == Dimension::Three { across[1] } else { 1 };
+        let section: Vec<[i32; 2]> = (0..across[0]).flat_map(|y| (0..rows_z).map(move |z| [y, z])).collect();
+        let pairs = |i: [i32; 2]| {
+            let others = section.iter().flat_map(move |j| (-4..=4).map(move |x| [x, i[0] - j[0], i[1] - j[1]]));
+            others.filter(|x| *x != [0, 0, 0]).map(|x| {
+                let x = x.map(f64::from);
+                let r2 = dot(x, x);
+                (x, r2, kernel.slope(dimension, Real::sqrt(r2), smoothing) / lattice.moment)
+            })
+        };
+        let replacement = |i: [i32; 2]| {
+            let mut surroundings = Surroundings::none();
+            for (x, r2, slope) in pairs(i) {
+                surroundings.add(slope, r2, x);
+            }
+            surroundings.replacement(lattice.most_replaced())
+        };
+        let mut sums = [0.0; 2];
+        for i in &section {
+            let own = replacement(*i);
+            for (x, r2, slope) in pairs(*i) {
+                let other = replacement([i[0] - x[1] as i32, i[1] - x[2] as i32]);
+                sums[0] += slope * x[0] * x[0] * replaced(own, other, x, r2);
+                sums[1] += slope * x[0] * x[0];
+            }
+        }
+        sums.map(|sum| sum / section.len() as f64)
+    }
+
+    #[test]
+    fn bars_of_few_particles_conduct_in_full() {
+        for (dimension, across, without) in [
+            (Dimension::Two, [1, 1], 0.63),
+            (Dimension::Two, [2, 1], 0.81),
+            (Dimension::Two, [4, 1], 0.91),
+            (Dimension::Three, [1, 1], 0.40),
+            (Dimension::Three, [2, 1], 0.51),
+            (Dimension::Three, [2, 2], 0.66),
+            (Dimension::Three, [3, 5], 0.81),
+            (Dimension::Three, [4, 4], 0.82),
+            (Dimension::Three, [8, 8], 0.91),
+        ] {
+            let [with, plain] = conduction_of_bar(across, dimension, 1.1);
+            assert!((plain - without).abs() < 0.012, "{dimension:?} {across:?}: {plain}");
+            assert!((with - 1.0).abs() < 0.004, "{dimension:?} {across:?}: {with}");
+            // More neighbours, of which more are missing.
+            assert!((conduction_of_bar(across, dimension, 1.4)[0] - 1.0).abs() < 0.01, "{dimension:?} {across:?}");
+        }
+    }
+
+    #[test]
+    fn plates_conduct_in_full_along_and_as_before_through() {
+        for smoothing in [1.1, 1.2, 1.4] {
+            let kernel = Kernel::CubicSpline;
+            let lattice = lattice(kernel, Dimension::Three, 1.0, smoothing);
+            for layers in [2, 3, 6] {
+                let pairs = |i: i32| {
+                    let others = (0..layers).flat_map(move |j| (-4..=4).map(move |y| (j, y)));
+                    let others = others.flat_map(move |(j, y)| (-4..=4).map(move |z| (j, [i - j, y, z])));
+                    others.filter(|(_, x)| *x != [0, 0, 0]).map(|(j, x)| {
+                        let x = x.map(f64::from);
+                        let r2 = dot(x, x);
+                        (j, x, r2, kernel.slope(Dimension::Three, Real::sqrt(r2), smoothing) / lattice.moment)
+                    })
+                };
+                let replacement = |i: i32| {
+                    let mut surroundings = Surroundings::none();
+                    pairs(i).for_each(|(_, x, r2, slope)| surroundings.add(slope, r2, x));
+                    surroundings.replacement(lattice.most_replaced())
+                };
+                let (mut through, mut plain, mut along) = (0.0, 0.0, [0.0; 2]);
+                for i in 0..layers {
+                    for (j, x, r2, slope) in pairs(i) {
+                        let replaced = replaced(replacement(i), replacement(j), x, r2);
+                        along = [0, 1].map(|a| along[a] + slope * x[a + 1] * x[a + 1] * replaced);
+                        through += slope * x[0] * x[0] * replaced;
+                        plain += slope * x[0] * x[0];
+                    }
+                }
+                assert!((through / plain - 1.0).abs() < 2e-3, "{smoothing} {layers}: {through} {plain}");
+                for sum in along {
+                    assert!((sum / f64::from(layers) - 1.0).abs() < 2e-3, "{smoothing} {layers}: {along:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn replacements_conduct_along_their_direction_and_turn_with_the_body() {
+        let r = |xx, yy, xy| SymmetricTensor { xx, yy, xy, ..SymmetricTensor::zero() };
+        // 1 + (0.5 9 + 2 0.1 12 + 0.3 16)/(2 25).
+        assert!((replaced(r(0.5, 0.0, 0.1), r(0.0, 0.3, 0.0), [3.0, 4.0, 0.0], 25.0) - 1.234).abs() < 1e-14);
+        assert_eq!(replaced(r(-3.0, 0.0, 0.0), r(-2.0, 0.0, 0.0), [1.0, 0.0, 0.0], 1.0), 0.0);
+        assert_eq!(replaced(r(0.5, 0.0, 0.1), r(0.0, 0.3, 0.0), [0.0; 3], 0.0), 1.0);
+        // By a quarter turn x becomes y; size does not matter.
+        let f = [[0.0, -2.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0]];
+        let now = turned(r(0.5, 0.1, 0.2), &f);
+        let expected = r(0.1, 0.5, -0.2);
+        assert!((now - expected).double_dot(now - expected) < 1e-28, "{now:?}");
+        assert_eq!(turned_back([0.0, 3.0, 0.0], &f), [1.5, 0.0, 0.0]);
+    }
+
+    #[test]
     fn a_pair_conducts_like_its_halves_one_behind_the_other() {
         // Iron and copper: 4 80 400/480.
         assert!((pair_conductivity(80.0f64, 400.0) - 266.666_666_666_666_7).abs() < 1e-12);
@@ -351,6 +724,7 @@ mod tests {
             volumes: (2.0, 3.0),
             conductivity: 10.0,
             correction: 0.5,
+            replaced: 1.0,
             slope: 0.25,
             r2: 4.0,
             difference: 4.0f64,
@@ -358,6 +732,10 @@ mod tests {
         let mut sum = Inflow { power: 1.0, ..Inflow::default() };
         sum.add(&pair, Dimension::Two);
         assert_eq!(sum, Inflow { power: 31.0, conductance: 7.5, filled: 0.75 });
+        // Half as much again for pairs that are missing, which fill nothing.
+        let mut more = Inflow::default();
+        more.add(&HeatPair { replaced: 1.5, ..pair }, Dimension::Two);
+        assert_eq!(more, Inflow { power: 45.0, conductance: 11.25, filled: 0.75 });
         // To a colder one, at initial positions: -15 W, and 6 0.25 (1 4 - 2 1) = 3 W flow on; 1.5 times better than at rest.
         let colder = HeatPair { difference: -2.0, ..pair };
         sum.add_reference(&colder, [4.0, -1.0, 0.0], [1.0, 2.0, 5.0], 1.5, Dimension::Three);

@@ -10,7 +10,7 @@ use super::domain::Share;
 use super::ghosts::{Ghosts, WithGhosts};
 use super::reference_conduction::{ReferencePoints, sum_reference_flow};
 use crate::geometry::HeatFaces;
-use crate::halo::{self, Exchanged, GhostColumn};
+use crate::halo::{self, Exchanged, ExchangedSets, GhostColumn};
 use crate::lanes::PairScalar;
 use crate::model::{HeatBoundaryKind, Material, Model, TemperatureSource};
 use crate::neighbors::BLOCK;
@@ -19,10 +19,12 @@ use crate::persist::{Archive, ArchiveError, Persist, persist_column};
 use crate::{HeatClock, HeatLedger, RunFailure};
 use rayon::prelude::*;
 use smallvec::smallvec;
-use sphorge_physics::conduction::{Inflow, cell_size, conducting_share, face_area, surface_area, touch};
+use sphorge_physics::conduction::{
+    Inflow, Surroundings, cell_size, conducting_share, face_area, replaced, surface_area, touch, turned, turned_back,
+};
 use sphorge_physics::kernel::pair_smoothing_length;
 use sphorge_physics::time_step::conduction_limit;
-use sphorge_physics::{Dimension, Vector, tensor::dot};
+use sphorge_physics::{Dimension, SymmetricTensor, Vector, tensor::dot};
 
 /// Heat flow.
 #[derive(Clone, Debug)]
@@ -56,6 +58,24 @@ pub(super) struct HeatFlow {
     shares: Vec<f64>,
     shares_near: Vec<f64>,
     shares_far: Vec<f64>,
+    /// What replaces missing pairs of each particle in the configuration of the sums, and of the ghosts of the neighbour list.
+    replacements: Vec<SymmetricTensor<f64>>,
+    replacements_near: Vec<SymmetricTensor<f64>>,
+    /// The same in the current configuration, where other bodies are, and of the ghosts of the contact.
+    replacements_now: Vec<SymmetricTensor<f64>>,
+    replacements_far: Vec<SymmetricTensor<f64>>,
+}
+
+/// What replaces missing pairs of particles and ghosts.
+#[derive(Clone, Copy)]
+pub(super) struct Replacements<'a>(WithGhosts<'a, SymmetricTensor<f64>>);
+
+impl Replacements<'_> {
+    /// How many times as much as by itself a pair conducts at the distance `x` (m, its square `r2`).
+    #[inline(always)]
+    pub(super) fn of_pair(&self, i: usize, j: usize, x: Vector<f64>, r2: f64) -> f64 {
+        replaced(self.0.at(i), self.0.at(j), x, r2)
+    }
 }
 
 /// Shares with which particles and ghosts conduct; nothing where no material breaks.
@@ -98,6 +118,10 @@ impl HeatFlow {
             shares: vec![1.0; if model.materials.iter().any(Material::breaks) { particles } else { 0 }],
             shares_near: Vec::new(),
             shares_far: Vec::new(),
+            replacements: vec![SymmetricTensor::zero(); particles],
+            replacements_near: Vec::new(),
+            replacements_now: Vec::new(),
+            replacements_far: Vec::new(),
         })
     }
 
@@ -112,6 +136,7 @@ impl HeatFlow {
         self.partial.resize(blocks * self.power.len().max(1), 0.0);
         self.moved.resize(blocks, 0.0);
         self.limits.resize(blocks, f64::INFINITY);
+        self.replacements.resize(particles, SymmetricTensor::zero());
         if !self.touched.is_empty() {
             self.touched.resize(particles, 0);
         }
@@ -135,7 +160,10 @@ impl HeatFlow {
         let touched = self.touched.capacity() + self.touched_near.capacity() + self.touched_far.capacity();
         let shares = self.shares.capacity() + self.shares_near.capacity() + self.shares_far.capacity();
         let columns = 8 * (shares + self.partial.capacity() + self.moved.capacity() + self.limits.capacity());
-        columns + self.faces.bytes() + 4 * touched
+        let of_particles = self.replacements.capacity() + self.replacements_now.capacity();
+        let of_ghosts = self.replacements_near.capacity() + self.replacements_far.capacity();
+        let replacements = size_of::<SymmetricTensor<f64>>() * (of_particles + of_ghosts);
+        columns + self.faces.bytes() + 4 * touched + replacements
     }
 
     /// Sets the smallest limit and adds up the power of each boundary, over all ranks if there are several.
@@ -187,6 +215,15 @@ fn shares_of<'a>(ghosts: &'a Ghosts, shares: &'a [f64], of_ghosts: &'a mut Vec<f
     Exchanged { halo: ghosts.halo.as_ref(), columns: smallvec![GhostColumn::Scalar(shares, of_ghosts)] }
 }
 
+fn replacements_of<'a>(
+    ghosts: &'a Ghosts,
+    replacements: &'a [SymmetricTensor<f64>],
+    of_ghosts: &'a mut Vec<SymmetricTensor<f64>>,
+) -> Exchanged<'a> {
+    of_ghosts.resize(ghosts.count(), SymmetricTensor::zero());
+    Exchanged { halo: ghosts.halo.as_ref(), columns: smallvec![GhostColumn::Symmetric(replacements, of_ghosts)] }
+}
+
 /// The data of particles and ghosts that the sum of the flow reads.
 #[derive(Clone, Copy)]
 struct HeatPoints<'a> {
@@ -235,12 +272,37 @@ impl<'a> HeatPoints<'a> {
 }
 
 impl ConductionTable {
+    /// Adds neighbours to what a particle sees of its surroundings, in directions as `seen`.
+    fn look<'a>(
+        &self,
+        surroundings: &mut Surroundings<f64>,
+        i: usize,
+        row: impl IntoIterator<Item = &'a u32>,
+        points: &HeatPoints<'_>,
+        seen: impl Fn(Vector<f64>) -> Vector<f64>,
+    ) {
+        let HeatPoints { position, smoothing_length, body, mass, density, .. } = points;
+        let x_i = position.at(i);
+        for &j in row {
+            let j = j as usize;
+            if !points.are_joined(i, j) {
+                continue;
+            }
+            let x_j = position.at(j);
+            let x = [0, 1, 2].map(|k| x_i[k] - x_j[k]);
+            let h = pair_smoothing_length(smoothing_length.at(i), smoothing_length.at(j));
+            let volume = mass.at(j) / density.at(j);
+            self.see(surroundings, (body.at(i), body.at(j)), volume, (dot(x, x), h), seen(x));
+        }
+    }
+
     fn add<'a>(
         &self,
         sum: &mut Inflow<f64>,
         i: usize,
         row: impl IntoIterator<Item = &'a u32>,
         points: &HeatPoints<'_>,
+        replacements: Replacements<'_>,
     ) {
         let HeatPoints { position, smoothing_length, temperature, body, mass, density, .. } = points;
         let volume = mass.at(i) / density.at(i);
@@ -255,8 +317,9 @@ impl ConductionTable {
             let h = pair_smoothing_length(smoothing_length.at(i), smoothing_length.at(j));
             let volumes = (volume, mass.at(j) / density.at(j));
             let difference = temperature.at(j) - temperature.at(i);
-            let (bodies, share) = ((body.at(i), body.at(j)), points.shares.of_pair(i, j));
-            sum.add(&self.pair(bodies, volumes, dot(x, x), h, difference, share), self.dimension);
+            let (bodies, r2) = ((body.at(i), body.at(j)), dot(x, x));
+            let conducts = (points.shares.of_pair(i, j), replacements.of_pair(i, j, x, r2));
+            sum.add(&self.pair(bodies, volumes, (r2, h), difference, conducts), self.dimension);
         }
     }
 
@@ -329,6 +392,10 @@ impl<T: PairScalar> CpuEngine<T> {
             shares,
             shares_near,
             shares_far,
+            replacements,
+            replacements_near,
+            replacements_now,
+            replacements_far,
             ..
         } = &mut *heat;
         let [near, far] = [shares_near, shares_far].map(|of_ghosts| Shares::new(shares, of_ghosts));
@@ -358,7 +425,40 @@ impl<T: PairScalar> CpuEngine<T> {
             ]);
         }
         let points = HeatPoints::new(p, &self.ghosts, WithGhosts::new(touched, touched_near), near);
-        let touching = HeatPoints::new(p, touching, WithGhosts::new(touched, touched_far), far);
+        let contact = touching;
+        let touching = HeatPoints::new(p, contact, WithGhosts::new(touched, touched_far), far);
+        replacements.par_chunks_mut(BLOCK).enumerate().for_each(|(b, replacements)| {
+            let mut rows = foreign.map(|f| f.blocks()[b].rows().peekable());
+            for (k, replacement) in replacements.iter_mut().enumerate() {
+                let i = b * BLOCK + k;
+                let mut surroundings = Surroundings::none();
+                match &reference {
+                    Some(points) => table.see_reference(&mut surroundings, i, list.row(i), points),
+                    None => table.look(&mut surroundings, i, list.row(i), &points, |x| x),
+                }
+                if let Some((_, row)) = rows.as_mut().and_then(|rows| rows.next_if(|(own, _)| *own == i)) {
+                    let other_bodies = row.iter().filter(|&&j| touching.body.at(j as usize) != p.body[i]);
+                    let initially = |x| if reference.is_some() { turned_back(x, &p.deformation[i]) } else { x };
+                    table.look(&mut surroundings, i, other_bodies, &touching, initially);
+                }
+                *replacement = surroundings.replacement(table.most_replaced[p.body[i] as usize]);
+            }
+        });
+        let meets_in_turn = reference.is_some() && foreign.is_some();
+        if meets_in_turn {
+            replacements_now.resize(p.len(), SymmetricTensor::zero());
+            let turns = replacements_now.par_iter_mut().zip(&*replacements).zip(&p.deformation);
+            turns.with_min_len(BLOCK).for_each(|((now, initial), f)| *now = turned(*initial, f));
+        }
+        let (now, replacements) = (if meets_in_turn { &**replacements_now } else { &**replacements }, &**replacements);
+        let mut exchanged = ExchangedSets::new();
+        exchanged.push(replacements_of(&self.ghosts, replacements, replacements_near));
+        if foreign.is_some() {
+            exchanged.push(replacements_of(contact, now, replacements_far));
+        }
+        halo::fill(exchanged);
+        let of_list = Replacements(WithGhosts::new(replacements, replacements_near));
+        let of_contact = Replacements(WithGhosts::new(now, replacements_far));
         let (table, faces, boundaries) = (&*table, &*faces, &self.model.thermal.boundaries);
         let parts = partial.par_chunks_mut(boundaries.len().max(1));
         (rates.par_chunks_mut(BLOCK), limits.par_iter_mut(), parts).into_par_iter().enumerate().for_each(
@@ -370,13 +470,13 @@ impl<T: PairScalar> CpuEngine<T> {
                     let i = b * BLOCK + k;
                     let mut sum = Inflow::default();
                     match &reference {
-                        Some(points) => table.add_reference(&mut sum, i, list.row(i), points),
-                        None => table.add(&mut sum, i, list.row(i), &points),
+                        Some(points) => table.add_reference(&mut sum, i, list.row(i), points, of_list),
+                        None => table.add(&mut sum, i, list.row(i), &points, of_list),
                     }
                     if let Some((_, row)) = rows.as_mut().and_then(|rows| rows.next_if(|(own, _)| *own == i)) {
                         // Surfaces of one body that face each other do not conduct.
                         let other_bodies = row.iter().filter(|&&j| touching.body.at(j as usize) != p.body[i]);
-                        table.add(&mut sum, i, other_bodies, &touching);
+                        table.add(&mut sum, i, other_bodies, &touching, of_contact);
                     }
                     if *surfaces {
                         for (k, (boundary, total)) in boundaries.iter().zip(powers.iter_mut()).enumerate() {

@@ -1,13 +1,13 @@
 //! Conduction in the total Lagrangian form: sums over the initial neighbours at the initial positions. The formulas are
 //! in [`sphorge_physics::conduction`].
 
-use super::conduction::Shares;
+use super::conduction::{Replacements, Shares};
 use super::conduction_table::ConductionTable;
 use super::ghosts::WithGhosts;
 use crate::neighbors::{BLOCK, NeighborList};
 use crate::particles::Particles;
 use rayon::prelude::*;
-use sphorge_physics::conduction::{Inflow, add_temperature_gradient, added_flow, best_flow};
+use sphorge_physics::conduction::{Inflow, Surroundings, add_temperature_gradient, added_flow, best_flow};
 use sphorge_physics::kernel::pair_smoothing_length;
 use sphorge_physics::{Tensor, Vector, tensor::dot};
 
@@ -58,8 +58,34 @@ impl ConductionTable {
         gradient
     }
 
-    /// Adds the heat flow to a particle from its initial neighbours.
-    pub(super) fn add_reference(&self, sum: &mut Inflow<f64>, i: usize, row: &[u32], points: &ReferencePoints<'_>) {
+    /// Adds the initial neighbours of a particle to what it sees of its surroundings.
+    pub(super) fn see_reference(
+        &self,
+        surroundings: &mut Surroundings<f64>,
+        i: usize,
+        row: &[u32],
+        points: &ReferencePoints<'_>,
+    ) {
+        let ReferencePoints { position, volume, smoothing_length, body, .. } = points;
+        let x_i = position.at(i);
+        for &j in row {
+            let j = j as usize;
+            let x_j = position.at(j);
+            let x = [0, 1, 2].map(|k| x_i[k] - x_j[k]);
+            let h = pair_smoothing_length(smoothing_length.at(i), smoothing_length.at(j));
+            self.see(surroundings, (body.at(i), body.at(j)), volume.at(j), (dot(x, x), h), x);
+        }
+    }
+
+    /// Adds the heat flow to a particle from its initial neighbours, given what replaces missing pairs.
+    pub(super) fn add_reference(
+        &self,
+        sum: &mut Inflow<f64>,
+        i: usize,
+        row: &[u32],
+        points: &ReferencePoints<'_>,
+        replacements: Replacements<'_>,
+    ) {
         let ReferencePoints { position, volume, smoothing_length, temperature, body, flow, shares, .. } = points;
         let better = best_flow(&points.deformation[i]);
         let (x_i, flow_i) = (position.at(i), flow.at(i));
@@ -72,7 +98,9 @@ impl ConductionTable {
             let flow = [0, 1, 2].map(|k| share * (flow_i[k] + flow_j[k]));
             let volumes = (volume.at(i), volume.at(j));
             let difference = temperature.at(j) - temperature.at(i);
-            let pair = self.pair((body.at(i), body.at(j)), volumes, dot(x, x), h, difference, share);
+            let r2 = dot(x, x);
+            let conducts = (share, replacements.of_pair(i, j, x, r2));
+            let pair = self.pair((body.at(i), body.at(j)), volumes, (r2, h), difference, conducts);
             sum.add_reference(&pair, x, flow, better, self.dimension);
         }
     }

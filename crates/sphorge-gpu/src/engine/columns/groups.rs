@@ -350,9 +350,10 @@ groups! {
         friction: Number,
         friction_share: Number,
     };
-    /// Heat conduction: see [`crate::engine::kernels::conduction`]. For particles, for each boundary, the body that a particle
+    /// Heat conduction: see [`crate::engine::kernels::conduction`]. For particles, what replaces missing pairs of them, for each boundary, the body that a particle
     /// touches, laws of each body, for parts of the particles, and the results of the reduction passes.
     Heat: particles if conducts { rate: Number, limit: Number, exchanged: Compensated, flow: VectorColumns };
+    Replacement: particles if conducts { replacement: SymmetricColumns };
     Boundaries: feature { claimed: Number, power: Number, supplied: Compensated };
     Touched: whole;
     HeatLaws: columns {
@@ -360,6 +361,7 @@ groups! {
         specific_heat: Number,
         correction: Number,
         surface: Number,
+        most_replaced: Number,
     };
     HeatExtremes: columns;
     HeatExtremesLeft(usize): columns;

@@ -14,14 +14,14 @@ use sphorge_engine::geometry::HeatFaces;
 use sphorge_engine::model::{HeatBoundaryKind, Model};
 use sphorge_engine::{ConductionTable, Particles};
 use sphorge_physics::conduction::{
-    HeatPair, Inflow, add_temperature_gradient, added_flow, best_flow, cell_size, conducting_share, face_area,
-    pair_conductivity, surface_area, touching_below,
+    HeatPair, Inflow, Surroundings, add_temperature_gradient, added_flow, best_flow, cell_size, conducting_share,
+    face_area, pair_conductivity, replaced, surface_area, touching_below, turned, turned_back,
 };
 use sphorge_physics::kernel::PairScale;
 use sphorge_physics::pair::mean;
 use sphorge_physics::tensor::dot;
 use sphorge_physics::time_step::conduction_limit;
-use sphorge_physics::{Elementary, Numbers, Real, Vector};
+use sphorge_physics::{Elementary, Numbers, Real, SymmetricTensor, Tensor, Vector};
 
 /// Numbers of a row of [`Group::HeatExtremes`]: the smallest limit, s, the lowest temperature, K, and whether one is
 /// not a number.
@@ -63,6 +63,7 @@ pub(in crate::engine) fn sums<const D: usize>(
     if model.is_total_lagrangian() {
         kernels.push(flow_of_deformation::<D>(model, count)?);
     }
+    kernels.push(replacements::<D>(model, grid, count)?);
     kernels.push(sum::<D>(model, grid, count)?);
     Ok(kernels)
 }
@@ -123,24 +124,42 @@ impl Points {
         Some(own.min(other))
     }
 
-    /// A pair with volumes (m^d) and the square of its distance (m²).
+    /// A pair with volumes (m^d), its distance (m) and the square of it, and what replaces missing pairs of both particles.
     fn pair(
         self,
         model: &Model,
         (i, j): (Index, Index),
         volumes: (Recorded, Recorded),
-        r2: Recorded,
+        (x, r2): (Vector<Recorded>, Recorded),
         scale: PairScale<Recorded>,
+        [own, other]: [SymmetricTensor<Recorded>; 2],
     ) -> HeatPair<Recorded> {
         let conductivity = pair_conductivity(self.conductivity(i), self.conductivity(j));
         HeatPair {
             volumes,
             conductivity: self.share(i, j).map_or(conductivity, |share| share * conductivity),
             correction: mean(self.correction(i), self.correction(j)),
+            replaced: replaced(own, other, x, r2),
             slope: slope(model, r2, scale),
             r2,
             difference: self.difference(i, j),
         }
+    }
+
+    /// Adds a pair to what particle `i` sees of its surroundings, in the direction `seen`: volume of the other (m^d), square of the
+    /// distance (m²).
+    fn see(
+        self,
+        model: &Model,
+        (i, j): (Index, Index),
+        volume: Recorded,
+        (r2, scale): (Recorded, PairScale<Recorded>),
+        seen: Vector<Recorded>,
+        mut surroundings: Surroundings<Recorded>,
+    ) -> Surroundings<Recorded> {
+        let correction = mean(self.correction(i), self.correction(j));
+        surroundings.add(correction * volume * slope(model, r2, scale), r2, seen);
+        surroundings
     }
 
     /// `x_i - x_j`, m, at the current positions.
@@ -227,6 +246,49 @@ fn flow_of_deformation<const D: usize>(model: &Model, count: usize) -> Result<Re
     })
 }
 
+/// Whether particles are not of one body, nor of two whose faces touch at one of the particles: one, else zero.
+fn are_apart(points: &Points, touched: Option<Indices>, i: Index, j: Index) -> Recorded {
+    let Some(touched) = touched else { return Recorded::zero() };
+    let at =
+        |of: Index, body: Index| (touched.at(of).number() - (points.body.at(body).number() + Recorded::one())).abs();
+    different(points.body, i, j).min(at(i, j)).min(at(j, i))
+}
+
+/// What replaces the pairs that every particle lacks.
+fn replacements<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recording, KernelFault> {
+    recording("replacements", count, |bind, i| {
+        let (points, replacement) = (Points::of(bind, model), groups::Replacement::write(bind).replacement);
+        let touched = model.conducts_between_bodies().then(|| bind.indices(Group::Touched));
+        let initial = model.is_total_lagrangian();
+        let start = Surroundings::none();
+        let present = |state: Surroundings<Recorded>, pair: &Pair, j: Index, f: Option<&Tensor<Recorded>>| {
+            let look = || {
+                let x = points.apart::<D>(&pair.image, i, j);
+                let seen = f.map_or(x, |f| turned_back(x, f));
+                points.see(model, (i, j), points.volume(j), (dot(x, x), pair.scale), seen, state)
+            };
+            Recorded::if_lt(are_apart(&points, touched, i, j), Recorded::of(0.5), look, || state)
+        };
+        let mut surroundings = if initial {
+            let near = (groups::Reference::read(bind), points.constants);
+            over_list::<_, D>(bind, model, i, near, start, |state, pair, j| {
+                let volume = near.0.volume.high().get(j);
+                points.see(model, (i, j), volume, (pair.r2, pair.scale), pair.x, state)
+            })
+        } else {
+            let near = (points.place, points.constants);
+            over_present_neighbors::<_, D>(bind, model, i, near, start, |state, pair, j| present(state, pair, j, None))
+        };
+        if model.conducts_across_contact() {
+            let f = initial.then(|| groups::Deformation::read(bind).deformation.high().get(i));
+            surroundings = points.over_others::<_, D>(bind, model, grid, i, surroundings, |state, pair, j| {
+                present(state, pair, j, f.as_ref())
+            });
+        }
+        replacement.set(i, surroundings.replacement(points.laws.most_replaced.get(points.body.at(i))));
+    })
+}
+
 /// Heat flow to every particle, and its limit of the step.
 fn sum<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recording, KernelFault> {
     let dimension = model.dimensions.into();
@@ -236,13 +298,14 @@ fn sum<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recor
         let through = (!boundaries.is_empty()).then(|| groups::Boundaries::write(bind));
         let touched = model.conducts_between_bodies().then(|| bind.indices(Group::Touched));
         let volume = points.volume(i);
-        // Particles of one body, or of two whose faces touch at one of the particles.
-        let are_joined = |j: Index| {
-            let Some(touched) = touched else { return Recorded::zero() };
-            let at = |of: Index, body: Index| {
-                (touched.at(of).number() - (points.body.at(body).number() + Recorded::one())).abs()
-            };
-            different(points.body, i, j).min(at(i, j)).min(at(j, i))
+        let replacement = groups::Replacement::read(bind).replacement;
+        let deformation = model.is_total_lagrangian().then(|| groups::Deformation::read(bind).deformation.high());
+        let replaced = |pair: &Pair, j: Index, seen: &dyn Fn(Index) -> SymmetricTensor<Recorded>| {
+            [seen(i), pair.image.symmetric(seen(j))]
+        };
+        let in_turn = |i: Index| match deformation {
+            Some(deformation) => turned(replacement.get(i), &deformation.get(i)),
+            None => replacement.get(i),
         };
         let numbers = |sum: Inflow<Recorded>| [sum.power, sum.conductance, sum.filled];
         let inflow = |[power, conductance, filled]: [Recorded; 3]| Inflow { power, conductance, filled };
@@ -251,15 +314,16 @@ fn sum<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recor
                 let x = points.apart::<D>(&pair.image, i, j);
                 let mut sum = inflow(state);
                 let volumes = (volume, points.volume(j));
-                sum.add(&points.pair(model, (i, j), volumes, dot(x, x), pair.scale), dimension);
+                let replaced = replaced(pair, j, &in_turn);
+                sum.add(&points.pair(model, (i, j), volumes, (x, dot(x, x)), pair.scale, replaced), dimension);
                 numbers(sum)
             };
-            Recorded::if_lt(are_joined(j), Recorded::of(0.5), add, || state)
+            Recorded::if_lt(are_apart(&points, touched, i, j), Recorded::of(0.5), add, || state)
         };
         let start = numbers(Inflow::zero());
         let mut sums = if model.is_total_lagrangian() {
             let near = (groups::Reference::read(bind), points.constants);
-            let better = best_flow(&groups::Deformation::read(bind).deformation.high().get(i));
+            let better = deformation.map_or(Recorded::one(), |deformation| best_flow(&deformation.get(i)));
             let own = heat.flow.get(i);
             over_list::<_, D>(bind, model, i, near, start, |state: [Recorded; 3], pair, j| {
                 let other = pair.image.vector(heat.flow.get(j));
@@ -267,7 +331,8 @@ fn sum<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recor
                 let flow = points.share(i, j).map_or(flow, |share| flow.map(|component| share * component));
                 let volumes = (near.0.volume.high().get(i), near.0.volume.high().get(j));
                 let mut sum = inflow(state);
-                let of_pair = points.pair(model, (i, j), volumes, pair.r2, pair.scale);
+                let replaced = replaced(pair, j, &|i| replacement.get(i));
+                let of_pair = points.pair(model, (i, j), volumes, (pair.x, pair.r2), pair.scale, replaced);
                 sum.add_reference(&of_pair, pair.x, flow, better, dimension);
                 numbers(sum)
             })
