@@ -11,7 +11,7 @@ use sphorge_engine::model::{
 use sphorge_engine::{BodyLedger, ContactLedger, Ledger, LimitReason, TimeStepLimit, WallLedger};
 use sphorge_physics::conduction::{
     HeatPair, Inflow, Lattice, Surroundings, add_temperature_gradient, added_flow, best_flow, cell_size,
-    conducting_share, face_area, friction_share, lattice, pair_conductivity, replaced, surface_area,
+    conducting_share, face_area, friction_share, lattice, outline_area, pair_conductivity, replaced,
     surface_conductance, touch, turned, turned_back,
 };
 use sphorge_physics::contact::{
@@ -487,7 +487,7 @@ impl Oracle {
                 }
                 let area = match faces.at_unit_density(k, p.id[i]) {
                     Some(face) => face_area(d, face, p.density[i]),
-                    None => surface_area(d, present, sum.filled, flat),
+                    None => outline_area(d, (present, p.density[i]), sum.filled, flat, faces.outline(p.id[i])),
                 };
                 let through = |film| area * surface_conductance(film, conductivity, cell_size(d, present));
                 let (power, conductance) = match boundary.kind {

@@ -20,7 +20,7 @@ use crate::{HeatClock, HeatLedger, RunFailure};
 use rayon::prelude::*;
 use smallvec::smallvec;
 use sphorge_physics::conduction::{
-    Inflow, Surroundings, cell_size, conducting_share, face_area, replaced, surface_area, touch, turned, turned_back,
+    Inflow, Surroundings, cell_size, conducting_share, face_area, outline_area, replaced, touch, turned, turned_back,
 };
 use sphorge_physics::kernel::pair_smoothing_length;
 use sphorge_physics::time_step::conduction_limit;
@@ -323,13 +323,13 @@ impl ConductionTable {
         }
     }
 
-    /// Power and conductance of a boundary at a particle on a surface, W and W/K: of its `face` (area at unit density) where the boundary names
-    /// faces.
+    /// Power and conductance of a boundary at a particle on a surface, W and W/K: of its `face` where the boundary names faces, else of its
+    /// `outline` as far as it is free (areas at unit density).
     fn through_surface(
         &self,
         kind: HeatBoundaryKind,
         i: usize,
-        face: Option<f64>,
+        (face, outline): (Option<f64>, f64),
         sum: &Inflow<f64>,
         p: &Particles,
     ) -> (f64, f64) {
@@ -337,7 +337,7 @@ impl ConductionTable {
         let volume = p.mass[i] / p.density[i];
         let area = match face {
             Some(face) => face_area(self.dimension, face, p.density[i]),
-            None => surface_area(self.dimension, volume, sum.filled, self.flat[body]),
+            None => outline_area(self.dimension, (volume, p.density[i]), sum.filled, self.flat[body], outline),
         };
         let cell = cell_size(self.dimension, volume);
         kind.through_surface(area, p.temperature[i], self.conductivity[body], cell)
@@ -481,7 +481,7 @@ impl<T: PairScalar> CpuEngine<T> {
                     if *surfaces {
                         for (k, (boundary, total)) in boundaries.iter().zip(powers.iter_mut()).enumerate() {
                             if boundary.claims(p.body[i], p.regions[i]) {
-                                let face = faces.at_unit_density(k, p.id[i]);
+                                let face = (faces.at_unit_density(k, p.id[i]), faces.outline(p.id[i]));
                                 let (power, conductance) = table.through_surface(boundary.kind, i, face, &sum, p);
                                 sum.power += power;
                                 sum.conductance += conductance;

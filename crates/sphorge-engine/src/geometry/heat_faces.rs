@@ -1,8 +1,9 @@
-//! Faces of bodies that heat boundaries name by their normals.
+//! Faces of bodies at the start, of which heat boundaries name some by their normals.
 
-use super::{ReferenceFacets, facets::facet_thickness, shape::dot};
-use crate::model::{HeatBoundary, Model};
+use super::{CellFacet, ReferenceFacets, facets::facet_thickness, shape::dot};
+use crate::model::{HeatBoundary, HeatBoundaryKind, Model};
 use crate::particles::Particles;
+use sphorge_physics::Vector;
 use sphorge_physics::conduction::face_at_unit_density;
 
 /// Least cosine between the normal of a boundary and that of a face it names: 45 degrees, of which a box has one face.
@@ -28,34 +29,46 @@ pub fn faces_by_direction(
     areas
 }
 
-/// The faces that boundaries name: exposed faces of cells at the start, on the surface of the shape.
+/// The faces through which boundaries pass heat: exposed faces of cells at the start, on the surface of the shape.
 #[derive(Clone, Debug, Default)]
 pub struct HeatFaces {
     /// Of each boundary, by the number of the particle; nothing for one without a normal.
     at_unit_density: Vec<Option<Vec<f64>>>,
+    /// All faces, by the number of the particle, if some boundary is on surfaces that it does not name.
+    outline: Vec<f64>,
 }
 
 impl HeatFaces {
     /// Those of the boundaries of a model, of all its particles.
     pub fn new(model: &Model) -> Self {
         let boundaries = &model.thermal.boundaries;
-        if !model.thermal.conduction || boundaries.iter().all(|boundary| boundary.normal.is_none()) {
-            return Self { at_unit_density: vec![None; boundaries.len()] };
+        let is_held = |boundary: &HeatBoundary| matches!(boundary.kind, HeatBoundaryKind::HeldTemperature(_));
+        if !model.thermal.conduction || boundaries.iter().all(is_held) {
+            return Self { at_unit_density: vec![None; boundaries.len()], outline: Vec::new() };
         }
         let facets = ReferenceFacets::new(model);
         let densities: Vec<f64> = model.bodies.iter().map(|body| model.density_at_start(body)).collect();
         let missing = 3 - model.dimensions.count();
         let thickness = facet_thickness(model).powi(missing as i32);
-        let of_boundary = |boundary: &HeatBoundary| {
-            let normal = boundary.normal?;
+        let named = |normal: Option<Vector<f64>>| {
+            let is_named = |of: &&CellFacet| normal.is_none_or(|n| dot(of.facet.normal, n) > LEAST_COSINE - 1e-9);
             let of_particle = |id: u32| {
-                let named = facets.of(id).iter().filter(|of| dot(of.facet.normal, normal) > LEAST_COSINE - 1e-9);
-                let area = named.map(|of| of.facet.area()).sum::<f64>() / thickness;
+                let area = facets.of(id).iter().filter(is_named).map(|of| of.facet.area()).sum::<f64>() / thickness;
                 face_at_unit_density(model.dimensions.into(), area, densities[facets.body_of(id)])
             };
-            Some((0..facets.particles()).map(of_particle).collect())
+            (0..facets.particles()).map(of_particle).collect()
         };
-        Self { at_unit_density: boundaries.iter().map(of_boundary).collect() }
+        let finds_surfaces = boundaries.iter().any(|boundary| boundary.normal.is_none() && !is_held(boundary));
+        Self {
+            at_unit_density: boundaries.iter().map(|boundary| boundary.normal.map(|n| named(Some(n)))).collect(),
+            outline: if finds_surfaces { named(None) } else { Vec::new() },
+        }
+    }
+
+    /// Of all faces of the particle with this number, zero for none: their area at unit density.
+    #[inline]
+    pub fn outline(&self, id: u32) -> f64 {
+        self.outline.get(id as usize).copied().unwrap_or(0.0)
     }
 
     /// Of a boundary that names faces, that of the particle with this number, zero for none: its area at unit density
@@ -83,6 +96,6 @@ impl HeatFaces {
 
     /// Bytes held.
     pub(crate) fn bytes(&self) -> usize {
-        8 * self.at_unit_density.iter().flatten().map(Vec::capacity).sum::<usize>()
+        8 * (self.at_unit_density.iter().flatten().map(Vec::capacity).sum::<usize>() + self.outline.capacity())
     }
 }

@@ -354,7 +354,7 @@ groups! {
     /// touches, laws of each body, for parts of the particles, and the results of the reduction passes.
     Heat: particles if conducts { rate: Number, limit: Number, exchanged: Compensated, flow: VectorColumns };
     Replacement: particles if conducts { replacement: SymmetricColumns };
-    Boundaries: feature { claimed: Number, power: Number, supplied: Compensated };
+    Boundaries: feature { claimed: Number, outline: Number, power: Number, supplied: Compensated };
     Touched: whole;
     HeatLaws: columns {
         conductivity: Number,

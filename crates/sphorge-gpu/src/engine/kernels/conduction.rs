@@ -15,7 +15,7 @@ use sphorge_engine::model::{HeatBoundaryKind, Model};
 use sphorge_engine::{ConductionTable, Particles};
 use sphorge_physics::conduction::{
     HeatPair, Inflow, Surroundings, add_temperature_gradient, added_flow, best_flow, cell_size, conducting_share,
-    face_area, pair_conductivity, replaced, surface_area, touching_below, turned, turned_back,
+    face_area, outline_area, pair_conductivity, replaced, touching_below, turned, turned_back,
 };
 use sphorge_physics::kernel::PairScale;
 use sphorge_physics::pair::mean;
@@ -43,7 +43,9 @@ pub(in crate::engine) fn claims(model: &Model, p: &Particles, stride: usize) -> 
     let mut numbers = vec![0.0; (length * boundaries.len()).max(1) * stride];
     for (k, boundary) in boundaries.iter().enumerate() {
         for i in (0..p.len()).filter(|i| boundary.claims(p.body[*i], p.regions[*i])) {
-            let claimed = groups::Boundaries::layout().of(k).claimed.column();
+            let columns = groups::Boundaries::layout().of(k);
+            let (claimed, outline) = (columns.claimed.column(), columns.outline.column());
+            numbers[outline * stride + i] = faces.outline(p.id[i]) as f32;
             numbers[claimed * stride + i] = faces.at_unit_density(k, p.id[i]).map_or(1.0, |face| face as f32);
         }
     }
@@ -352,7 +354,10 @@ fn sum<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recor
             let claimed = through.of(k).claimed.get(i);
             let area = match boundary.normal {
                 Some(_) => face_area(dimension, claimed, points.density.high().get(i)),
-                None => surface_area(dimension, volume, sum.filled, points.laws.surface.get(points.body.at(i))),
+                None => {
+                    let (flat, outline) = (points.laws.surface.get(points.body.at(i)), through.of(k).outline.get(i));
+                    outline_area(dimension, (volume, points.density.high().get(i)), sum.filled, flat, outline)
+                }
             };
             let cell = cell_size(dimension, volume);
             let temperature = points.temperature.high().get(i);

@@ -16,10 +16,9 @@ pub(super) const CASE: Case = Case {
     name: "convecting-block",
     title: "Block that cools by convection",
     about: "Newton's law of cooling on free surfaces, which are detected from the particles: a square block, and the \
-            plate that it becomes with a periodic y axis. Particles at an edge of the block have less than the area \
-            of two faces, an error of first order in proportion to the number of edges. Temperature rises over the \
-            air after 80 s, at a Biot number of 1 and a Fourier number of 0.5, are compared with the series solution \
-            of the plate and with the product of two of them.",
+            plate that it becomes with a periodic y axis. Particles at an edge of the block have the area of two \
+            faces. Temperature rises over the air after 80 s, at a Biot number of 1 and a Fourier number of 0.5, are \
+            compared with the series solution of the plate and with the product of two of them.",
     deck: "convecting-block",
     expected_warnings: &[],
     variants,
@@ -61,20 +60,11 @@ fn judge(runs: &Runs, findings: &mut Findings) {
             if let Some(run) = runs.finest(series) {
                 let finding = Finding::new(&name, Unit::KELVIN, run.label(), rise(run, measure));
                 let finding = finding.exact("series", exact);
-                findings.add(match series {
-                    PLATE => finding.must(Bounds::Relative(2e-3), "second order, at the quick spacing"),
-                    _ => finding.must(
-                        Bounds::Relative(2e-2),
-                        "error of the edges of first order, at the quick \
-                                                               spacing",
-                    ),
-                });
+                findings.add(finding.must(Bounds::Relative(2e-3), "second order, at the quick spacing"));
             }
             let study = Study::exact(name, Unit::KELVIN, exact);
             let study = runs.series(series).fold(study, |s, run| s.point(run.label(), run.spacing, rise(run, measure)));
-            findings.study(
-                study.must_converge(1e-5, "second order for the plate, first for the block, whose edges lack area"),
-            );
+            findings.study(study.must_converge(1e-5, "second order: edges have the area of their faces"));
         }
         if let Some(run) = runs.finest(series) {
             let drift = run.summary().map(|s| s.energy.largest_relative_drift);
