@@ -64,6 +64,8 @@ pub(super) struct HeatFlow {
     /// The same in the current configuration, where other bodies are, and of the ghosts of the contact.
     replacements_now: Vec<SymmetricTensor<f64>>,
     replacements_far: Vec<SymmetricTensor<f64>>,
+    /// Whether they are those of the particles where they are: without mechanics from the first sum after a search on.
+    replacements_known: bool,
 }
 
 /// What replaces missing pairs of particles and ghosts.
@@ -122,6 +124,7 @@ impl HeatFlow {
             replacements_near: Vec::new(),
             replacements_now: Vec::new(),
             replacements_far: Vec::new(),
+            replacements_known: false,
         })
     }
 
@@ -137,12 +140,18 @@ impl HeatFlow {
         self.moved.resize(blocks, 0.0);
         self.limits.resize(blocks, f64::INFINITY);
         self.replacements.resize(particles, SymmetricTensor::zero());
+        self.replacements_known = false;
         if !self.touched.is_empty() {
             self.touched.resize(particles, 0);
         }
         if !self.shares.is_empty() {
             self.shares.resize(particles, 1.0);
         }
+    }
+
+    /// After a search particles may be elsewhere in the columns, and pairs others.
+    pub(super) fn forget_replacements(&mut self) {
+        self.replacements_known = false;
     }
 
     /// Whether the flow is summed again in this step.
@@ -396,6 +405,7 @@ impl<T: PairScalar> CpuEngine<T> {
             replacements_near,
             replacements_now,
             replacements_far,
+            replacements_known,
             ..
         } = &mut *heat;
         let [near, far] = [shares_near, shares_far].map(|of_ghosts| Shares::new(shares, of_ghosts));
@@ -427,7 +437,8 @@ impl<T: PairScalar> CpuEngine<T> {
         let points = HeatPoints::new(p, &self.ghosts, WithGhosts::new(touched, touched_near), near);
         let contact = touching;
         let touching = HeatPoints::new(p, contact, WithGhosts::new(touched, touched_far), far);
-        replacements.par_chunks_mut(BLOCK).enumerate().for_each(|(b, replacements)| {
+        let unknown = if *replacements_known { &mut [][..] } else { &mut replacements[..] };
+        unknown.par_chunks_mut(BLOCK).enumerate().for_each(|(b, replacements)| {
             let mut rows = foreign.map(|f| f.blocks()[b].rows().peekable());
             for (k, replacement) in replacements.iter_mut().enumerate() {
                 let i = b * BLOCK + k;
@@ -444,6 +455,7 @@ impl<T: PairScalar> CpuEngine<T> {
                 *replacement = surroundings.replacement(table.most_replaced[p.body[i] as usize]);
             }
         });
+        *replacements_known = !self.model.thermal.mechanics;
         let meets_in_turn = reference.is_some() && foreign.is_some();
         if meets_in_turn {
             replacements_now.resize(p.len(), SymmetricTensor::zero());

@@ -99,6 +99,9 @@ impl<T: PairScalar> CpuEngine<T> {
         if !(stale || self.model.thermal.mechanics) {
             return Ok(self.keep_lists());
         }
+        if let Some(heat) = &mut self.heat {
+            heat.forget_replacements();
+        }
         match self.model.search {
             Search::EveryStep => self.search_all(),
             Search::Skin { fraction } => {
