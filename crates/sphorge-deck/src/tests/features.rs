@@ -172,7 +172,7 @@ fn the_courant_number_is_that_of_the_form_unless_it_is_given() {
 const PLATES: &str = r#"
 dimensions = "plane-strain"
 particles = { spacing = "1 mm" }
-time = { end = "1 us" }
+time = { end = "20 us" }
 [[body]]
 name = "flyer"
 material = "copper-shock"
@@ -252,14 +252,31 @@ fn viscosity_of_shocks_acts_where_bodies_meet_fast_unless_the_deck_gives_viscosi
         .replace("\"8 mm\", \"4 mm\"", "\"40 mm\", \"4 mm\"");
     assert_eq!(plates(&format!("{thick}{plane}"), &[]), 0.0);
     assert_eq!(plates(&format!("{thick}{plane}{other}"), &[]), 1.0);
+    // Beside the velocity along the normal, one along the face changes nothing; nor does what moves away, passes by, or comes after the end.
+    assert_eq!(shocks(&tall, &[(velocity, "[\"100 m/s\", \"300 m/s\"]")]), 1.0);
+    assert_eq!(shocks(&tall, &[(velocity, "[\"-1 km/s\", 0]")]), 0.0);
+    let far = |x: &str, y: &str| {
+        format!(
+            "{tall}[[body]]\nname = \"far\"\nmaterial = \"copper-shock\"\nvelocity = [\"-1 km/s\", 0]\n\
+             shape = {{ box = {{ min = [\"{x}\", \"{y}\"], max = [\"{x} + 2 mm\", \"{y} + 9 mm\"] }} }}\n"
+        )
+        .replace("30 mm + 2 mm", "32 mm")
+        .replace("15 mm + 2 mm", "17 mm")
+        .replace("0 mm + 9 mm", "9 mm")
+        .replace("12 mm + 9 mm", "21 mm")
+    };
+    let rest = (velocity, "[0, 0]");
+    for (x, y, share) in [("15 mm", "0 mm", 1.0), ("15 mm", "12 mm", 0.0), ("30 mm", "0 mm", 0.0)] {
+        assert_eq!(shocks(&far(x, y), &[rest]), share, "{x} {y}");
+    }
     // What breaks has it in fast impacts alone.
     assert_eq!(plates(&tall, &[("material.copper-shock.spall-pressure", "\"1 GPa\"")]), 0.0);
     // A wall that a plate strikes flat.
     let alone = tall.split("[[body]]\nname = \"target\"").next().unwrap();
-    let wall = "[[wall]]\nname = \"w\"\nplane = { point = [\"9 mm\", 0], normal = [-1, 0] }\n";
+    let wall = "[[wall]]\nname = \"w\"\nplane = { point = [\"5 mm\", 0], normal = [-1, 0] }\n";
     assert_eq!(plates(&format!("{alone}{wall}"), &[]), 1.0);
     let alone = thick.split("[[body]]\nname = \"target\"").next().unwrap();
-    let wall = wall.replace("9 mm", "21 mm");
+    let wall = wall.replace("5 mm", "21 mm");
     let period = "[periodic]\ny = [\"0 mm\", \"4 mm\"]\n";
     assert_eq!((plates(&format!("{alone}{wall}"), &[]), plates(&format!("{alone}{wall}{period}"), &[])), (0.0, 1.0));
 }
