@@ -491,7 +491,7 @@ fn what_the_total_lagrangian_form_does_without_is_taken_out_once_and_told() {
     let deck = fitted(&deck.replace("\"armco-iron\"", "\"ofhc-copper\""));
     let setup = load_text("taylor", &deck, &[]).unwrap();
     let (numerics, plain) = (&setup.model.numerics, load_text("taylor", FLAVOUR, &[]).unwrap().model.numerics);
-    assert_eq!(*numerics, Numerics { viscosity_alpha: 0.1, viscosity_beta: 8.0, ..plain });
+    assert_eq!(*numerics, Numerics { viscosity_alpha: 0.1, viscosity_beta: 10.0, ..plain });
     assert_eq!(
         setup.model.formulation,
         Formulation::TotalLagrangian {
