@@ -414,7 +414,7 @@ impl Oracle {
                 let slope = -n.f * share_of(i).min(share_of(n.j));
                 add_temperature_gradient(&mut gradient, volume[n.j], slope, difference, n.x);
             }
-            added_flow(self.material(i).conductivity, gradient, &self.deformation[i], &self.correction[i])
+            added_flow(self.material(i).conductivity, gradient, &self.deformation[i], &self.correction[i], d)
         });
         // The other body whose face each particle touches: that of the nearest particle.
         let cell = |i: usize| cell_size(d, p.mass[i] / p.density[i]);

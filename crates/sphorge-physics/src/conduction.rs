@@ -31,17 +31,20 @@
 //! `k J C^-1 grad_0 T`, `C = F^T F`, and `rho_0 c dT/dt` is the divergence of that. The part of undeformed material, `k grad_0 T`, is
 //! the sum above; the rest, `q = k (J C^-1 - I) grad_0 T`, goes by the two sums of the form itself,
 //!
-//! `grad_0 T_i = sum_j V_j (T_j - T_i) B_i grad_0 W_ij`,  `Q_i = sum_j V_i V_j (q_i B_i + q_j B_j) . grad_0 W_ij`,
+//! `grad_0 T_i = sum_j V_j (T_j - T_i) b_i grad_0 W_ij`,  `Q_i = sum_j V_i V_j (q_i b_i + q_j b_j) . grad_0 W_ij`,
 //!
-//! which are adjoint and antisymmetric: heat is conserved. The gradient sees less of a temperature than pairs do, so that even where
-//! `q` flows upwards, which is never more than `k grad_0 T`, heat does not on the whole.
+//! which are adjoint and antisymmetric: heat is conserved. `b_i` is the smallest principal value of the gradient correction `B_i`, that along the
+//! directions in which a particle has most neighbours: gradients along faces are exact, and those across them smaller than they are, because pairs there
+//! conduct less, too. So the gradient sees less of a temperature than pairs do, and even where `q` flows upwards, which is never more than `k grad_0 T`, heat
+//! does not on the whole. With `B_i` it did at faces: what was pulled to more than twice its length there grew hot and cold without end.
 //!
 //! Across an open crack no heat flows: each term of a pair, in all of these sums, has the smaller of the shares with which its particles
 //! conduct ([`conducting_share`]), so that the sums stay antisymmetric and adjoint. Metal whose particles are severed or on the way to it conducts as
 //! whole metal where it is pressed shut.
 
 use crate::kernel::Kernel;
-use crate::tensor::{determinant, dot, inverse, multiply, transpose};
+use crate::tensor::{determinant, dot, identity, inverse, multiply, transpose};
+use crate::thin::is_thin;
 use crate::{Dimension, Elementary, Numbers, Real, SymmetricTensor, Tensor, Vector};
 
 /// Sums over a square or cubic lattice.
@@ -387,11 +390,39 @@ fn stretched<T: Real>(f: &Tensor<T>) -> Tensor<T> {
 
 /// Heat that deformation adds to the flow, `q B = k (J C^-1 - I) grad_0 T B`, W/m^2, with the conductivity `k` (W/(m K)), the
 /// gradient of the temperature before its correction `B` (K/m), and the deformation gradient.
-pub fn added_flow<T: Real>(conductivity: T, gradient: Vector<T>, f: &Tensor<T>, correction: &Tensor<T>) -> Vector<T> {
+pub fn added_flow<T: Elementary>(
+    conductivity: T,
+    gradient: Vector<T>,
+    f: &Tensor<T>,
+    correction: &Tensor<T>,
+    dimension: Dimension,
+) -> Vector<T> {
+    let scale = T::if_lt(T::zero(), is_thin(correction), T::one, || smallest_correction(correction, dimension));
+    let alike = scaled(&identity(), scale);
+    let correction = &choose(is_thin(correction), correction, &alike);
     let gradient = apply(correction, gradient);
     let along = apply(&stretched(f), gradient);
     let q = [0, 1, 2].map(|c| conductivity * (along[c] - gradient[c]));
     apply(&transpose(correction), q)
+}
+
+/// The first where a number is above zero, else the second.
+fn choose<T: Real>(which: T, a: &Tensor<T>, b: &Tensor<T>) -> Tensor<T> {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| T::select_lt(T::zero(), which, a[i][j], b[i][j])))
+}
+
+/// Smallest principal value of a gradient correction, along the axes computed in: that along the directions in which a particle has most neighbours.
+fn smallest_correction<T: Real>(correction: &Tensor<T>, dimension: Dimension) -> T {
+    let m = inverse(correction);
+    let within = |a: usize| a < dimension.count();
+    let block =
+        |t: &Tensor<T>| [0, 1, 2].map(|a| [0, 1, 2].map(|b| if within(a) && within(b) { t[a][b] } else { T::zero() }));
+    let mut p = block(&m);
+    for _ in 0..SQUARES {
+        p = scaled(&p, T::one() / trace(&p).max(T::of(LEAST)));
+        p = multiply(&p, &p);
+    }
+    double_dot(&p, &block(correction)) / trace(&p).max(T::of(LEAST))
 }
 
 /// At most how many times better than at rest heat flows in any direction, not less than one: the largest sum of magnitudes in a row
@@ -789,10 +820,26 @@ mod tests {
         // Sheared by 2: J C^-1 = [[5, -2, 0], [-2, 1, 0], [0, 0, 1]].
         assert_eq!(best_flow(&[[1.0, 2.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), 7.0f64);
         assert_eq!(best_flow(&[[0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]]), 1.0f64);
-        // 50 (0.4 - 1) 2 (-3) along x with B = 2 twice; 50 2.6 1 along z.
+        // 50 (0.4 - 1) (-3) along x, 50 2.6 1 along z: B = 1 along the face, not 2 across it, twice.
         let correction = [[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let q = added_flow(50.0, [-3.0, 0.0, 1.0], &f, &correction);
-        assert!((q[0] - 360.0).abs() < 1e-10 && q[1] == 0.0 && (q[2] - 130.0).abs() < 1e-10, "{q:?}");
+        let q = added_flow(50.0, [-3.0, 0.0, 1.0], &f, &correction, Dimension::Three);
+        assert!((q[0] - 90.0).abs() < 1e-10 && q[1] == 0.0 && (q[2] - 130.0).abs() < 1e-10, "{q:?}");
+    }
+
+    #[test]
+    fn the_smallest_correction_is_that_along_a_face() {
+        // Turned by 30 degrees about z: 1.25 along, 2 across, 1.5 along z.
+        let (c, s) = (0.75f64.sqrt(), 0.5);
+        let turn = [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]];
+        let along = [[1.25, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.5]];
+        let b = multiply(&multiply(&turn, &along), &transpose(&turn));
+        assert!((smallest_correction(&b, Dimension::Three) - 1.25).abs() < 1e-12);
+        // In a plane the third axis is none, at a corner both are alike.
+        let plane = [[2.0, 0.0, 0.0], [0.0, 1.75, 0.0], [0.0, 0.0, 1.0]];
+        assert!((smallest_correction(&plane, Dimension::Two) - 1.75).abs() < 1e-12);
+        assert_eq!(smallest_correction(&[[1.5, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], Dimension::One), 1.5f64);
+        let corner = scaled(&identity(), 1.75f64);
+        assert!((smallest_correction(&corner, Dimension::Three) - 1.75).abs() < 1e-12);
     }
 
     #[test]

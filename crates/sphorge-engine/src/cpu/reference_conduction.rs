@@ -117,6 +117,6 @@ pub(super) fn sum_reference_flow(
     flow.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(i, flow)| {
         let gradient = table.temperature_gradient(i, list.row(i), points);
         let conductivity = table.conductivity[p.body[i] as usize];
-        *flow = added_flow(conductivity, gradient, &p.deformation[i], &p.correction[i]);
+        *flow = added_flow(conductivity, gradient, &p.deformation[i], &p.correction[i], table.dimension);
     });
 }

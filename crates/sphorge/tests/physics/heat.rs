@@ -719,3 +719,49 @@ fn bodies_that_touch_cool_as_one() {
         }
     }
 }
+
+/// A square that is pulled along x and pressed along y to nearly three times its length, while one of its sides is held at 100 degrees.
+const PULLED_SQUARE: &str = r#"
+dimensions = "plane-strain"
+[particles]
+spacing = "0.1 mm"
+
+[thermal]
+mechanics = true
+
+[[thermal.boundary]]
+name = "hot"
+surface-temperature = "100 degC"
+normal = [-1, 0]
+
+[time]
+end = "1 ms"
+[material.metal]
+density = "4000 kg/m^3"
+young-modulus = "2 GPa"
+poisson-ratio = 0.3
+equation-of-state = "linear"
+strength = { perfectly-plastic = { yield-stress = "0.1 MPa" } }
+specific-heat = "500 J/(kg K)"
+taylor-quinney = 0.0
+conductivity = "1e5 W/(m K)"
+
+[[body]]
+name = "bar"
+material = "metal"
+temperature = "0 degC"
+shape = { box = { min = ["-1 mm", "-1 mm"], max = ["1 mm", "1 mm"] } }
+velocity-gradient = { rows = [["20000 /s","0 /s"],["0 /s","-20000 /s"]] }
+"#;
+
+#[test]
+fn heat_in_what_is_pulled_long_stays_between_the_temperatures_there_are() {
+    // The flow that deformation takes from that at rest is never more than that: it had been at faces, and temperatures grew to 1e7 K.
+    let mut simulation = simulation(PULLED_SQUARE, &[]);
+    run_to(&mut simulation, 50e-6);
+    let p = simulation.particles().unwrap();
+    let (coldest, hottest) = p.temperature.iter().fold((f64::MAX, 0.0_f64), |(a, b), t| (a.min(*t), b.max(*t)));
+    assert!(coldest > 273.1 && hottest < 373.7, "{coldest} {hottest}");
+    let (left, right) = p.position.iter().fold((0.0_f64, 0.0_f64), |(a, b), x| (a.min(x[0]), b.max(x[0])));
+    assert!(right - left > 4.5e-3, "{}", right - left);
+}

@@ -134,6 +134,7 @@ fn compare(instructions: Instructions, mixed: bool, only_flow_heats: bool, form:
     columns.density[..COUNT].copy_from_slice(&column(&|p| p.density));
     columns.energy[..COUNT].copy_from_slice(&column(&|p| p.energy));
     columns.smoothing_length = [1e-3; BLOCK];
+    columns.linear_share = std::array::from_fn(|k| [0.0, 0.4, 1.0][k % 3]);
     let mut flow: [Vec<f64>; 5] = std::array::from_fn(|c| column(&|p| p.flow[c]));
     let [ep, dep, y, wp, t] = &mut flow;
     let inputs = ElasticInputs {
@@ -213,7 +214,8 @@ fn compare(instructions: Instructions, mixed: bool, only_flow_heats: bool, form:
         let mut pressure = state.pressure;
         if let Some(viscosity) = form.bulk_viscosity {
             let divergence = p.l[0][0] + p.l[1][1] + p.l[2][2];
-            pressure += borne.share * bulk_viscosity(viscosity, divergence, p.density, state.sound_speed, 1e-3);
+            let acting = ViscosityParameters { alpha: columns.linear_share[k] * viscosity.alpha, ..viscosity };
+            pressure += borne.share * bulk_viscosity(acting, divergence, p.density, state.sound_speed, 1e-3);
         }
         let scale = match form.pair_form {
             PairForm::VolumeWeighted => 1.0,

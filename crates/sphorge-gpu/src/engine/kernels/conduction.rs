@@ -230,7 +230,7 @@ fn flow_of_deformation<const D: usize>(model: &Model, count: usize) -> Result<Re
         let near = (groups::Reference::read(bind), points.constants);
         let (deformation, correction) =
             (groups::Deformation::read(bind).deformation, groups::Correction::read(bind).correction);
-        let start = [Recorded::zero(); 3];
+        let (start, dimension) = ([Recorded::zero(); 3], model.dimensions.into());
         let gradient = over_list::<_, D>(bind, model, i, near, start, |mut gradient: Vector<Recorded>, pair, j| {
             let slope = slope(model, pair.r2, pair.scale);
             let slope = points.share(i, j).map_or(slope, |share| share * slope);
@@ -243,7 +243,8 @@ fn flow_of_deformation<const D: usize>(model: &Model, count: usize) -> Result<Re
             );
             gradient
         });
-        let flow = added_flow(points.conductivity(i), gradient, &deformation.high().get(i), &correction.get(i));
+        let flow =
+            added_flow(points.conductivity(i), gradient, &deformation.high().get(i), &correction.get(i), dimension);
         heat.flow.set(i, flow);
     })
 }
