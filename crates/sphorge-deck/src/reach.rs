@@ -11,17 +11,27 @@ const UNIFORM: f64 = 1e-6;
 
 /// A box that moves, m and m/s.
 #[derive(Clone, Copy)]
-struct Moving {
-    low: [f64; 3],
-    high: [f64; 3],
-    velocity: [f64; 3],
+pub(crate) struct Moving {
+    pub(crate) low: [f64; 3],
+    pub(crate) high: [f64; 3],
+    pub(crate) velocity: [f64; 3],
 }
 
 /// When something is met, s: at the earliest by the boxes around it, and when these are as near as bodies feel each other.
 #[derive(Clone, Copy)]
-struct Meeting {
+pub(crate) struct Meeting {
     touches: f64,
-    feels: f64,
+    pub(crate) feels: f64,
+}
+
+/// How the boxes around two bodies run into each other.
+#[derive(Clone, Copy)]
+pub(crate) struct Entry {
+    /// From when and until when they overlap, s; not before the start.
+    pub(crate) from: f64,
+    pub(crate) until: f64,
+    /// The axis along which they do so last, if they move relative to each other.
+    pub(crate) axis: Option<usize>,
 }
 
 /// What the courses of bodies at the start say against the deck. Nothing where forces or parts of a body bend them.
@@ -146,15 +156,15 @@ fn is_like(a: [f64; 3], b: [f64; 3]) -> bool {
 impl Moving {
     /// When the boxes of this and of another touch.
     fn meets(&self, other: &Self, near: f64) -> Option<Meeting> {
-        let feels = self.enters(other, near)?;
+        let feels = self.enters(other, near)?.from;
         // Boxes that only come near do not touch: the time when they are nearest along the last axis says as much.
-        Some(Meeting { feels, touches: self.enters(other, 0.0).unwrap_or(feels) })
+        Some(Meeting { feels, touches: self.enters(other, 0.0).map_or(feels, |entry| entry.from) })
     }
 
-    /// When the box of this, wider by a margin on all sides, enters that of another.
-    fn enters(&self, other: &Self, margin: f64) -> Option<f64> {
+    /// How the box of this, wider by a margin on all sides, enters that of another.
+    pub(crate) fn enters(&self, other: &Self, margin: f64) -> Option<Entry> {
         let relative = minus(self.velocity, other.velocity);
-        let (mut from, mut to) = (0.0, f64::INFINITY);
+        let (mut from, mut until, mut axis) = (f64::NEG_INFINITY, f64::INFINITY, None);
         for a in 0..3 {
             let [ahead, behind] = [other.low[a] - self.high[a] - margin, other.high[a] - self.low[a] + margin];
             if relative[a] == 0.0 {
@@ -164,14 +174,23 @@ impl Moving {
                 continue;
             }
             let times = [ahead / relative[a], behind / relative[a]];
-            from = times[0].min(times[1]).max(from);
-            to = times[0].max(times[1]).min(to);
+            if axis.is_none() || times[0].min(times[1]) > from {
+                (from, axis) = (times[0].min(times[1]), Some(a));
+            }
+            until = times[0].max(times[1]).min(until);
         }
-        (from <= to).then_some(from)
+        let from = from.max(0.0);
+        (from <= until).then_some(Entry { from, until, axis })
     }
 
     /// When the box reaches a plane, from the side that its normal points to.
-    fn meets_plane(&self, point: [f64; 3], normal: [f64; 3], velocity: [f64; 3], near: f64) -> Option<Meeting> {
+    pub(crate) fn meets_plane(
+        &self,
+        point: [f64; 3],
+        normal: [f64; 3],
+        velocity: [f64; 3],
+        near: f64,
+    ) -> Option<Meeting> {
         let lowest: [f64; 3] = std::array::from_fn(|a| if normal[a] > 0.0 { self.low[a] } else { self.high[a] });
         let gap = dot(minus(lowest, point), normal);
         let closing = dot(minus(velocity, self.velocity), normal);

@@ -388,8 +388,9 @@ fn stretched<T: Real>(f: &Tensor<T>) -> Tensor<T> {
     multiply(&inverse, &transpose(&inverse)).map(|row| row.map(|c| j * c))
 }
 
-/// Heat that deformation adds to the flow, `q B = k (J C^-1 - I) grad_0 T B`, W/m^2, with the conductivity `k` (W/(m K)), the
-/// gradient of the temperature before its correction `B` (K/m), and the deformation gradient.
+/// Heat that deformation adds to the flow, `q b = k (J C^-1 - I) grad_0 T b`, W/m^2, with the conductivity `k` (W/(m K)), the
+/// gradient of the temperature before its correction (K/m), the deformation gradient, and the gradient correction `B`, whose smallest principal
+/// value is `b`. In bodies of one layer, which have no neighbours across, all of `B` stands for it.
 pub fn added_flow<T: Elementary>(
     conductivity: T,
     gradient: Vector<T>,
@@ -397,18 +398,12 @@ pub fn added_flow<T: Elementary>(
     correction: &Tensor<T>,
     dimension: Dimension,
 ) -> Vector<T> {
-    let scale = T::if_lt(T::zero(), is_thin(correction), T::one, || smallest_correction(correction, dimension));
-    let alike = scaled(&identity(), scale);
-    let correction = &choose(is_thin(correction), correction, &alike);
+    let alike = || scaled(&identity(), smallest_correction(correction, dimension));
+    let correction = &T::if_lt(T::zero(), is_thin(correction), || *correction, alike);
     let gradient = apply(correction, gradient);
     let along = apply(&stretched(f), gradient);
     let q = [0, 1, 2].map(|c| conductivity * (along[c] - gradient[c]));
     apply(&transpose(correction), q)
-}
-
-/// The first where a number is above zero, else the second.
-fn choose<T: Real>(which: T, a: &Tensor<T>, b: &Tensor<T>) -> Tensor<T> {
-    [0, 1, 2].map(|i| [0, 1, 2].map(|j| T::select_lt(T::zero(), which, a[i][j], b[i][j])))
 }
 
 /// Smallest principal value of a gradient correction, along the axes computed in: that along the directions in which a particle has most neighbours.

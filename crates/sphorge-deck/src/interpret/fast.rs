@@ -1,7 +1,7 @@
 //! What the speed at which bodies meet decides where a deck does not.
 
 use crate::raw::RawNumerics;
-use crate::reach::{dot, minus};
+use crate::reach::{Moving, dot, minus};
 use crate::value::ScalarOr;
 use sphorge_engine::model::{Body, Material, Model, WallSurface};
 use sphorge_engine::reduction::extent_between_planes;
@@ -14,19 +14,33 @@ const FAST_PLATES: [f64; 2] = [0.01, 0.015];
 /// Width over thickness up to which bodies are none, and from which on they are plates.
 const WIDE: [f64; 2] = [1.5, 2.0];
 
-/// Viscosity of shocks of a model, of which the method has `usual` where impacts are fast, unless the deck gives any viscosity itself.
-pub(crate) fn viscosity_of_shocks(raw: &RawNumerics, usual: f64, model: &Model) -> f64 {
-    let is_given = match &raw.viscosity {
-        // `viscosity = false` leaves no quadratic part.
-        None | Some(ScalarOr::Scalar(_)) => model.numerics.viscosity_beta == 0.0,
-        Some(ScalarOr::Composed(table, _)) => {
-            [&table.alpha, &table.beta, &table.shocks].iter().any(|key| key.is_some())
-        }
-    };
-    if is_given || usual == 0.0 {
-        return model.numerics.viscosity_of_shocks;
+/// Viscosity of shocks of a model, of which the method has `usual` where impacts are fast, unless the deck gives any viscosity itself; and a note where it
+/// leaves this one out by giving another.
+pub(crate) fn viscosity_of_shocks(raw: &RawNumerics, usual: f64, model: &Model) -> (f64, Option<String>) {
+    let given = model.numerics.viscosity_of_shocks;
+    let by_default = || usual * share_of_impacts(model);
+    if usual == 0.0 {
+        return (given, None);
     }
-    usual * share_of_impacts(model)
+    match &raw.viscosity {
+        // `viscosity = false` leaves no quadratic part.
+        None | Some(ScalarOr::Scalar(_)) if model.numerics.viscosity_beta == 0.0 => (given, None),
+        None | Some(ScalarOr::Scalar(_)) => (by_default(), None),
+        Some(ScalarOr::Composed(table, _)) if table.shocks.is_some() => (given, None),
+        Some(ScalarOr::Composed(table, _)) if table.alpha.is_none() && table.beta.is_none() => (by_default(), None),
+        Some(ScalarOr::Composed(..)) => {
+            let left_out = by_default();
+            let has_some = model.numerics.viscosity_alpha > 0.0 || model.numerics.viscosity_beta > 0.0;
+            let note = (left_out > 0.0 && has_some).then(|| {
+                format!(
+                    "`numerics.viscosity` gives `alpha` or `beta`, which leaves out the viscosity of shocks that bodies have by default where they meet so \
+                     fast: particles behind the shocks will swing by a third of the pressure and more; add `shocks = {left_out}` to it, or `shocks = 0` if \
+                     it is meant so"
+                )
+            });
+            (given, note)
+        }
+    }
 }
 
 /// Share of the way between two numbers, from zero to one.
@@ -39,49 +53,57 @@ fn share_of_impacts(model: &Model) -> f64 {
     let sound = |body: &Body| model.materials[body.material].equation_of_state.reference_sound_speed();
     let mut most = 0.0_f64;
     for (k, body) in model.bodies.iter().enumerate() {
-        let own = Extent::of(body, model);
-        for v in velocities(body) {
+        // What is as near as half a spacing touches.
+        let near = 0.5 * body.spacing;
+        for own in courses(body, model) {
             // Plates hear of the velocity along the normal alone.
             let mut meet = |axis: usize, speed: f64, normal: f64, other: Option<&Body>| {
                 let slower = other.map_or(f64::INFINITY, sound).min(sound(body));
                 let flatness = flatness(model, [Some(body), other], axis);
                 most = most.max(between(FAST, speed / slower)).max(flatness * between(FAST_PLATES, normal / slower));
             };
-            for other in &model.bodies[k + 1..] {
-                for w in velocities(other) {
-                    let relative = minus(v, w);
-                    if let Some(axis) = own.meets(&Extent::of(other, model), relative, model) {
-                        meet(axis, length(relative), relative[axis].abs(), Some(other));
-                    }
+            let mut meet_box = |other: &Moving, near: f64, body: Option<&Body>| {
+                let relative = minus(own.velocity, other.velocity);
+                let Some(entry) = own.enters(other, near) else { return };
+                // What touches and moves apart has left.
+                let stays = entry.until > 2.0 * near / length(relative);
+                if let Some(axis) = entry.axis.filter(|_| stays && entry.from <= model.time.end) {
+                    meet(axis, length(relative), relative[axis].abs(), body);
                 }
+            };
+            for other in &model.bodies[k + 1..] {
+                let near = near.max(0.5 * other.spacing);
+                courses(other, model).iter().for_each(|course| meet_box(course, near, Some(other)));
             }
             for wall in &model.walls {
-                let relative = minus(v, [0, 1, 2].map(|a| wall.velocity[a].at(0.0)));
-                match wall.surface {
-                    WallSurface::Plane { point, normal } => {
-                        let approach = -dot(relative, normal);
-                        if own.depth(point, normal) <= approach * model.time.end {
-                            meet(dominant(normal), approach, approach, None);
-                        }
-                    }
-                    WallSurface::Segment { from, to } => {
-                        let ends = |pick: fn(f64, f64) -> f64| std::array::from_fn(|a| pick(from[a], to[a]));
-                        let segment = Extent { low: ends(f64::min), high: ends(f64::max), near: own.near };
-                        if let Some(axis) = own.meets(&segment, relative, model) {
-                            meet(axis, length(relative), relative[axis].abs(), None);
-                        }
-                    }
+                let velocity = [0, 1, 2].map(|a| wall.velocity[a].at(0.0));
+                if let WallSurface::Segment { from, to } = wall.surface {
+                    let ends = |pick: fn(f64, f64) -> f64| std::array::from_fn(|a| pick(from[a], to[a]));
+                    meet_box(&Moving { low: ends(f64::min), high: ends(f64::max), velocity }, near, None);
+                }
+            }
+            let mut meet_plane = |point: [f64; 3], normal: [f64; 3], velocity: [f64; 3]| {
+                let approach = dot(minus(velocity, own.velocity), normal);
+                let meeting = own.meets_plane(point, normal, velocity, near);
+                if meeting.is_some_and(|meeting| meeting.feels <= model.time.end) {
+                    meet(dominant(normal), approach, approach, None);
+                }
+            };
+            for wall in &model.walls {
+                if let WallSurface::Plane { point, normal } = wall.surface {
+                    meet_plane(point, normal, [0, 1, 2].map(|a| wall.velocity[a].at(0.0)));
                 }
             }
             for plane in &model.symmetry {
                 let along = |value: f64| [0, 1, 2].map(|a| if a == plane.axis { value } else { 0.0 });
-                let approach = -v[plane.axis] * plane.side;
-                if own.depth(along(plane.position), along(plane.side)) <= approach * model.time.end {
-                    meet(plane.axis, approach, approach, None);
-                }
+                meet_plane(along(plane.position), along(plane.side), [0.0; 3]);
             }
             for motion in &model.motions {
-                let beside = [0, 1, 2].map(|a| motion.axes[a].velocity(0.0).map_or(0.0, |moved| moved - v[a]));
+                // Of velocities that differ from place to place that of the part that is moved is not known: what is held where it rests meets nothing.
+                let beside = velocities(body).map(|velocity| {
+                    [0, 1, 2].map(|a| motion.axes[a].velocity(0.0).map_or(0.0, |moved| moved - velocity[a]))
+                });
+                let beside = if length(beside[0]) < length(beside[1]) { beside[0] } else { beside[1] };
                 meet(dominant(beside), length(beside), length(beside), None);
             }
         }
@@ -89,49 +111,16 @@ fn share_of_impacts(model: &Model) -> f64 {
     most
 }
 
-/// The box around a body, m.
-#[derive(Clone, Copy)]
-struct Extent {
-    low: [f64; 3],
-    high: [f64; 3],
-    /// Half a spacing: what is as near as that touches.
-    near: f64,
-}
+/// An end of what has none, m: nothing times it is nothing.
+const ENDLESS: f64 = 1e300;
 
-impl Extent {
-    fn of(body: &Body, model: &Model) -> Self {
-        let (low, high) = body.shape.bounds(model.dimensions);
-        Self { low, high, near: 0.5 * body.spacing }
+/// The box around a body with the [velocities] of its particles; without ends along periodic axes.
+fn courses(body: &Body, model: &Model) -> [Moving; 2] {
+    let (mut low, mut high) = body.shape.bounds(model.dimensions);
+    for a in (0..3).filter(|a| model.periodic[*a].is_some()) {
+        (low[a], high[a]) = (-ENDLESS, ENDLESS);
     }
-
-    /// Distance from a plane, m, on the side of its normal.
-    fn depth(&self, point: [f64; 3], normal: [f64; 3]) -> f64 {
-        let nearest = |a: usize| if normal[a] > 0.0 { self.low[a] } else { self.high[a] };
-        (0..3).map(|a| normal[a] * (nearest(a) - point[a])).sum()
-    }
-
-    /// The axis along which this box meets another one at a relative velocity (m/s), if it does before the end: that along which they overlap last.
-    fn meets(&self, other: &Self, relative: [f64; 3], model: &Model) -> Option<usize> {
-        let near = self.near.max(other.near);
-        let (mut entry, mut exit, mut axis) = (f64::NEG_INFINITY, f64::INFINITY, dominant(relative));
-        for a in (0..model.dimensions.count()).filter(|a| model.periodic[*a].is_none()) {
-            let (before, behind) = (other.low[a] - self.high[a], other.high[a] - self.low[a]);
-            if relative[a] == 0.0 {
-                if before > near || behind < -near {
-                    return None;
-                }
-                continue;
-            }
-            let (first, last) = if relative[a] > 0.0 { (before, behind) } else { (behind, before) };
-            if first / relative[a] > entry {
-                (entry, axis) = (first / relative[a], a);
-            }
-            exit = exit.min(last / relative[a]);
-        }
-        // What touches and moves apart has left.
-        let touch = near / length(relative);
-        (entry <= exit && exit > touch && entry <= model.time.end + touch).then_some(axis)
-    }
+    velocities(body).map(|velocity| Moving { low, high, velocity })
 }
 
 /// The axis along which a vector has its largest component.

@@ -372,7 +372,9 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         sections: sections?,
         warnings: warnings?,
     };
-    model.numerics.viscosity_of_shocks = fast::viscosity_of_shocks(&raw.numerics, usual.viscosity_of_shocks, &model);
+    let (of_shocks, note) = fast::viscosity_of_shocks(&raw.numerics, usual.viscosity_of_shocks, &model);
+    model.numerics.viscosity_of_shocks = of_shocks;
+    notes.extend(note);
     Some(Interpreted { model, places, notes, catalogue_notes, without_conductivity })
 }
 

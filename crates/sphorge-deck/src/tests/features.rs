@@ -227,6 +227,22 @@ fn viscosity_of_shocks_acts_where_bodies_meet_fast_unless_the_deck_gives_viscosi
                   [[motion]]\nregion = \"end\"\nvelocity = [\"1 km/s\", \"0 m/s\"]\n";
     assert_eq!(shocks(&format!("{alone}{driven}"), &[]), 1.0);
 
+    // A clamp that holds a body where it does not move strikes nothing, whatever the rest of it does.
+    let swings = "velocity-profile = { along = \"x\", amplitude = [0, \"600 m/s\"], rows = [[\"0 mm\", 0.0], [\"4 mm\", 1.0]] }\n";
+    let rests = alone.replace("velocity = [\"100 m/s\", \"0 m/s\"]\n", swings);
+    assert_eq!(shocks(&format!("{rests}{}", driven.replace("1 km/s", "0 m/s")), &[]), 0.0);
+    // Whoever gives another one is told what it leaves out, and how to say that it is meant.
+    let notes = |more: &[(&str, &str)]| {
+        let overrides: Vec<_> =
+            [&[fast][..], more].concat().iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+        load_text("plates", PLATES, &overrides).unwrap().notes
+    };
+    let told = |notes: &[String]| notes.iter().filter(|note| note.contains("add `shocks = 1`")).count();
+    let (alpha, none) = (("numerics.viscosity.alpha", "0.1"), ("numerics.viscosity.shocks", "0"));
+    assert_eq!((told(&notes(&[alpha])), told(&notes(&[alpha, none])), told(&notes(&[]))), (1, 0, 0));
+    assert_eq!(told(&notes(&[("numerics.viscosity", "false")])), 0);
+    assert_eq!(told(&notes(&[("numerics.viscosity", "{ alpha = 0, beta = 0 }")])), 0);
+    assert_eq!(told(&notes(&[alpha, (velocity, "[\"100 m/s\", 0]")])), 0);
     // Plates have it from 0.01 and 0.015 of the sound speed on, 39 and 59 m/s: what is twice as wide as thick.
     let slow = (velocity, "[\"100 m/s\", 0]");
     let plates = |text: &str, more: &[(&str, &str)]| shocks(text, &[&[slow][..], more].concat());

@@ -64,8 +64,8 @@ pub(super) struct HeatFlow {
     /// The same in the current configuration, where other bodies are, and of the ghosts of the contact.
     replacements_now: Vec<SymmetricTensor<f64>>,
     replacements_far: Vec<SymmetricTensor<f64>>,
-    /// Whether they are those of the particles where they are: without mechanics from the first sum after a search on.
-    replacements_known: bool,
+    /// Whether these and the bodies touched are those of the particles where they are: without mechanics from the first sum after a search on.
+    surroundings_known: bool,
 }
 
 /// What replaces missing pairs of particles and ghosts.
@@ -124,7 +124,7 @@ impl HeatFlow {
             replacements_near: Vec::new(),
             replacements_now: Vec::new(),
             replacements_far: Vec::new(),
-            replacements_known: false,
+            surroundings_known: false,
         })
     }
 
@@ -140,7 +140,7 @@ impl HeatFlow {
         self.moved.resize(blocks, 0.0);
         self.limits.resize(blocks, f64::INFINITY);
         self.replacements.resize(particles, SymmetricTensor::zero());
-        self.replacements_known = false;
+        self.surroundings_known = false;
         if !self.touched.is_empty() {
             self.touched.resize(particles, 0);
         }
@@ -150,8 +150,8 @@ impl HeatFlow {
     }
 
     /// After a search particles may be elsewhere in the columns, and pairs others.
-    pub(super) fn forget_replacements(&mut self) {
-        self.replacements_known = false;
+    pub(super) fn forget_surroundings(&mut self) {
+        self.surroundings_known = false;
     }
 
     /// Whether the flow is summed again in this step.
@@ -278,6 +278,26 @@ impl<'a> HeatPoints<'a> {
         let (a, b) = (self.body.at(i), self.body.at(j));
         a == b || self.touched.at(i) == b + 1 || self.touched.at(j) == a + 1
     }
+
+    /// The neighbours in a row with which a particle exchanges heat, and of each the distance `x_ij`, m, its square, m², and the smoothing length of the
+    /// pair, m.
+    fn joined<'r>(
+        &'r self,
+        i: usize,
+        row: impl IntoIterator<Item = &'r u32>,
+    ) -> impl Iterator<Item = (usize, Vector<f64>, f64, f64)> {
+        let (x_i, h_i) = (self.position.at(i), self.smoothing_length.at(i));
+        row.into_iter().map(|&j| j as usize).filter(move |&j| self.are_joined(i, j)).map(move |j| {
+            let x_j = self.position.at(j);
+            let x = [0, 1, 2].map(|k| x_i[k] - x_j[k]);
+            (j, x, dot(x, x), pair_smoothing_length(h_i, self.smoothing_length.at(j)))
+        })
+    }
+
+    /// Current volume, m^d.
+    fn volume(&self, i: usize) -> f64 {
+        self.mass.at(i) / self.density.at(i)
+    }
 }
 
 impl ConductionTable {
@@ -287,46 +307,29 @@ impl ConductionTable {
         surroundings: &mut Surroundings<f64>,
         i: usize,
         row: impl IntoIterator<Item = &'a u32>,
-        points: &HeatPoints<'_>,
+        points: &'a HeatPoints<'_>,
         seen: impl Fn(Vector<f64>) -> Vector<f64>,
     ) {
-        let HeatPoints { position, smoothing_length, body, mass, density, .. } = points;
-        let x_i = position.at(i);
-        for &j in row {
-            let j = j as usize;
-            if !points.are_joined(i, j) {
-                continue;
-            }
-            let x_j = position.at(j);
-            let x = [0, 1, 2].map(|k| x_i[k] - x_j[k]);
-            let h = pair_smoothing_length(smoothing_length.at(i), smoothing_length.at(j));
-            let volume = mass.at(j) / density.at(j);
-            self.see(surroundings, (body.at(i), body.at(j)), volume, (dot(x, x), h), seen(x));
+        for (j, x, r2, h) in points.joined(i, row) {
+            let bodies = (points.body.at(i), points.body.at(j));
+            self.see(surroundings, bodies, points.volume(j), (r2, h), seen(x));
         }
     }
 
+    /// Adds the heat flow to a particle from neighbours.
     fn add<'a>(
         &self,
         sum: &mut Inflow<f64>,
         i: usize,
         row: impl IntoIterator<Item = &'a u32>,
-        points: &HeatPoints<'_>,
+        points: &'a HeatPoints<'_>,
         replacements: Replacements<'_>,
     ) {
-        let HeatPoints { position, smoothing_length, temperature, body, mass, density, .. } = points;
-        let volume = mass.at(i) / density.at(i);
-        let x_i = position.at(i);
-        for &j in row {
-            let j = j as usize;
-            if !points.are_joined(i, j) {
-                continue;
-            }
-            let x_j = position.at(j);
-            let x = [0, 1, 2].map(|k| x_i[k] - x_j[k]);
-            let h = pair_smoothing_length(smoothing_length.at(i), smoothing_length.at(j));
-            let volumes = (volume, mass.at(j) / density.at(j));
-            let difference = temperature.at(j) - temperature.at(i);
-            let (bodies, r2) = ((body.at(i), body.at(j)), dot(x, x));
+        let volume = points.volume(i);
+        for (j, x, r2, h) in points.joined(i, row) {
+            let volumes = (volume, points.volume(j));
+            let difference = points.temperature.at(j) - points.temperature.at(i);
+            let bodies = (points.body.at(i), points.body.at(j));
             let conducts = (points.shares.of_pair(i, j), replacements.of_pair(i, j, x, r2));
             sum.add(&self.pair(bodies, volumes, (r2, h), difference, conducts), self.dimension);
         }
@@ -405,7 +408,7 @@ impl<T: PairScalar> CpuEngine<T> {
             replacements_near,
             replacements_now,
             replacements_far,
-            replacements_known,
+            surroundings_known,
             ..
         } = &mut *heat;
         let [near, far] = [shares_near, shares_far].map(|of_ghosts| Shares::new(shares, of_ghosts));
@@ -415,7 +418,8 @@ impl<T: PairScalar> CpuEngine<T> {
             let [near, far] = [(&self.ghosts, near), (touching, far)]
                 .map(|(ghosts, shares)| HeatPoints::new(p, ghosts, untouched, shares));
             let dimension = table.dimension;
-            touched.par_chunks_mut(BLOCK).enumerate().for_each(|(b, touched)| {
+            let unknown = if *surroundings_known { &mut [][..] } else { &mut touched[..] };
+            unknown.par_chunks_mut(BLOCK).enumerate().for_each(|(b, touched)| {
                 let mut rows = foreign.map(|f| f.blocks()[b].rows().peekable());
                 for (k, touched) in touched.iter_mut().enumerate() {
                     let i = b * BLOCK + k;
@@ -437,7 +441,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let points = HeatPoints::new(p, &self.ghosts, WithGhosts::new(touched, touched_near), near);
         let contact = touching;
         let touching = HeatPoints::new(p, contact, WithGhosts::new(touched, touched_far), far);
-        let unknown = if *replacements_known { &mut [][..] } else { &mut replacements[..] };
+        let unknown = if *surroundings_known { &mut [][..] } else { &mut replacements[..] };
         unknown.par_chunks_mut(BLOCK).enumerate().for_each(|(b, replacements)| {
             let mut rows = foreign.map(|f| f.blocks()[b].rows().peekable());
             for (k, replacement) in replacements.iter_mut().enumerate() {
@@ -455,7 +459,7 @@ impl<T: PairScalar> CpuEngine<T> {
                 *replacement = surroundings.replacement(table.most_replaced[p.body[i] as usize]);
             }
         });
-        *replacements_known = !self.model.thermal.mechanics;
+        *surroundings_known = !self.model.thermal.mechanics;
         let meets_in_turn = reference.is_some() && foreign.is_some();
         if meets_in_turn {
             replacements_now.resize(p.len(), SymmetricTensor::zero());

@@ -20,7 +20,7 @@ pub(super) struct ReferencePoints<'a> {
     temperature: WithGhosts<'a, f64>,
     body: WithGhosts<'a, u32>,
     shares: Shares<'a>,
-    /// `q B` of every particle, W/m²: the contribution of the deformation.
+    /// `q b` of every particle, W/m²: the contribution of the deformation.
     flow: WithGhosts<'a, Vector<f64>>,
     deformation: &'a [Tensor<f64>],
 }
@@ -38,20 +38,25 @@ impl<'a> ReferencePoints<'a> {
             deformation: &p.deformation,
         }
     }
+
+    /// The initial neighbours of a particle, and of each the distance `X_ij`, m, its square, m², and the smoothing length of the pair, m.
+    fn pairs<'r>(&'r self, i: usize, row: &'r [u32]) -> impl Iterator<Item = (usize, Vector<f64>, f64, f64)> {
+        let (x_i, h_i) = (self.position.at(i), self.smoothing_length.at(i));
+        row.iter().map(move |&j| {
+            let x_j = self.position.at(j as usize);
+            let x = [0, 1, 2].map(|k| x_i[k] - x_j[k]);
+            (j as usize, x, dot(x, x), pair_smoothing_length(h_i, self.smoothing_length.at(j as usize)))
+        })
+    }
 }
 
 impl ConductionTable {
     /// Temperature gradient, K/m, before the correction.
     fn temperature_gradient(&self, i: usize, row: &[u32], points: &ReferencePoints<'_>) -> Vector<f64> {
-        let ReferencePoints { position, volume, smoothing_length, temperature, shares, .. } = points;
-        let x_i = position.at(i);
+        let ReferencePoints { volume, temperature, shares, .. } = points;
         let mut gradient = [0.0; 3];
-        for &j in row {
-            let j = j as usize;
-            let x_j = position.at(j);
-            let x = [0, 1, 2].map(|k| x_i[k] - x_j[k]);
-            let h = pair_smoothing_length(smoothing_length.at(i), smoothing_length.at(j));
-            let slope = shares.of_pair(i, j) * self.kernel.slope(self.dimension, dot(x, x).sqrt(), h);
+        for (j, x, r2, h) in points.pairs(i, row) {
+            let slope = shares.of_pair(i, j) * self.kernel.slope(self.dimension, r2.sqrt(), h);
             let difference = temperature.at(j) - temperature.at(i);
             add_temperature_gradient(&mut gradient, volume.at(j), slope, difference, x);
         }
@@ -66,14 +71,8 @@ impl ConductionTable {
         row: &[u32],
         points: &ReferencePoints<'_>,
     ) {
-        let ReferencePoints { position, volume, smoothing_length, body, .. } = points;
-        let x_i = position.at(i);
-        for &j in row {
-            let j = j as usize;
-            let x_j = position.at(j);
-            let x = [0, 1, 2].map(|k| x_i[k] - x_j[k]);
-            let h = pair_smoothing_length(smoothing_length.at(i), smoothing_length.at(j));
-            self.see(surroundings, (body.at(i), body.at(j)), volume.at(j), (dot(x, x), h), x);
+        for (j, x, r2, h) in points.pairs(i, row) {
+            self.see(surroundings, (points.body.at(i), points.body.at(j)), points.volume.at(j), (r2, h), x);
         }
     }
 
@@ -86,19 +85,14 @@ impl ConductionTable {
         points: &ReferencePoints<'_>,
         replacements: Replacements<'_>,
     ) {
-        let ReferencePoints { position, volume, smoothing_length, temperature, body, flow, shares, .. } = points;
+        let ReferencePoints { volume, temperature, body, flow, shares, .. } = points;
         let better = best_flow(&points.deformation[i]);
-        let (x_i, flow_i) = (position.at(i), flow.at(i));
-        for &j in row {
-            let j = j as usize;
-            let (x_j, flow_j) = (position.at(j), flow.at(j));
-            let x = [0, 1, 2].map(|k| x_i[k] - x_j[k]);
-            let h = pair_smoothing_length(smoothing_length.at(i), smoothing_length.at(j));
-            let share = shares.of_pair(i, j);
+        let flow_i = flow.at(i);
+        for (j, x, r2, h) in points.pairs(i, row) {
+            let (share, flow_j) = (shares.of_pair(i, j), flow.at(j));
             let flow = [0, 1, 2].map(|k| share * (flow_i[k] + flow_j[k]));
             let volumes = (volume.at(i), volume.at(j));
             let difference = temperature.at(j) - temperature.at(i);
-            let r2 = dot(x, x);
             let conducts = (share, replacements.of_pair(i, j, x, r2));
             let pair = self.pair((body.at(i), body.at(j)), volumes, (r2, h), difference, conducts);
             sum.add_reference(&pair, x, flow, better, self.dimension);
@@ -106,7 +100,7 @@ impl ConductionTable {
     }
 }
 
-/// `q B` of every particle at its temperature.
+/// `q b` of every particle at its temperature.
 pub(super) fn sum_reference_flow(
     table: &ConductionTable,
     list: &NeighborList,

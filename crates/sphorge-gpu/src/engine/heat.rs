@@ -19,6 +19,10 @@ impl GpuEngine {
     /// Sums the heat flow again if it is due.
     pub(super) fn sum_heat(&mut self) -> Result<(), RunFailure> {
         let Some(mut clock) = self.heat.filter(|clock| clock.is_due(&self.model)) else { return Ok(()) };
+        if self.model.thermal.mechanics || !self.has_looked_for_heat {
+            self.launch(Stage::LookForHeat)?;
+            self.has_looked_for_heat = true;
+        }
         self.launch(Stage::SumHeat)?;
         clock.start();
         clock.limit = self.read_heat_extremes()?;

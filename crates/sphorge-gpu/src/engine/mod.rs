@@ -122,6 +122,8 @@ struct GpuEngine {
     extremes: [f64; kernels::limits::FIELDS],
     /// With heat conduction, when it is summed again.
     heat: Option<HeatClock>,
+    /// Whether what lies about particles is known, which without mechanics stays as it is.
+    has_looked_for_heat: bool,
     /// Lowest temperature, K, with heat conduction.
     coldest: f64,
     /// Partition that sums are taken of.

@@ -454,7 +454,10 @@ impl Planner<'_> {
         }
         if model.has_facets() && model.conducts_across_contact() {
             // In place of the cells of the contact.
-            self.contact_positions(Stage::SumHeat)?;
+            self.contact_positions(Stage::LookForHeat)?;
+        }
+        for kernel in in_dimension!(model, conduction::surroundings, model, self.grids.of_kernels, stride) {
+            self.add(Stage::LookForHeat, kernel);
         }
         for kernel in in_dimension!(model, conduction::sums, model, self.grids.of_kernels, stride) {
             self.add(Stage::SumHeat, kernel);

@@ -43,7 +43,8 @@ pub(super) enum Stage {
     Forces,
     /// The end of the step, and its changes.
     Finish,
-    /// Heat conduction: its sums if they are due, the exchange, and the extremes of both.
+    /// Heat conduction: what lies about particles, its sums if they are due, the exchange, and the extremes of both.
+    LookForHeat,
     SumHeat,
     FlowHeat,
     HeatExtremes,

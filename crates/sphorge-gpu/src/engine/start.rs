@@ -129,6 +129,7 @@ impl GpuEngine {
             dt: 0.0,
             extremes: [0.0; limits::FIELDS],
             heat: model.thermal.conduction.then(HeatClock::default),
+            has_looked_for_heat: false,
             coldest: f64::INFINITY,
             segments: Arc::new(segments),
             read_back: RefCell::default(),

@@ -291,12 +291,12 @@ fn what_never_yields_spalls_and_its_scab_flies_on() {
             assert!((20..40).contains(&scab.len()), "{pressure}: {}", scab.len());
             scab.iter().sum::<f64>() / scab.len() as f64
         };
-        // Loose layers beside it push it a little before.
-        let speeds = [7e-6, 9.5e-6, 12e-6].map(&mut speed);
+        let speeds = [6e-6, 9e-6, 12e-6].map(&mut speed);
         println!("{pressure}: {speeds:?} of {expected}");
         for found in speeds {
             assert!((found / expected - 1.0).abs() < 0.05, "{pressure}: {speeds:?} of {expected}");
-            assert!((found / speeds[0] - 1.0).abs() < 0.02, "{pressure}: {speeds:?}");
+            // Loose layers beside it push it a little at first.
+            assert!((found / speeds[2] - 1.0).abs() < 0.02, "{pressure}: {speeds:?}");
         }
     }
 }

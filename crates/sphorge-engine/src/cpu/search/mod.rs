@@ -100,7 +100,7 @@ impl<T: PairScalar> CpuEngine<T> {
             return Ok(self.keep_lists());
         }
         if let Some(heat) = &mut self.heat {
-            heat.forget_replacements();
+            heat.forget_surroundings();
         }
         match self.model.search {
             Search::EveryStep => self.search_all(),

@@ -59,14 +59,24 @@ pub(in crate::engine) fn sums<const D: usize>(
     count: usize,
 ) -> Result<Vec<Recording>, KernelFault> {
     let mut kernels = Vec::new();
-    if model.conducts_between_bodies() {
-        kernels.push(touch::<D>(model, grid, count)?);
-    }
     if model.is_total_lagrangian() {
         kernels.push(flow_of_deformation::<D>(model, count)?);
     }
-    kernels.push(replacements::<D>(model, grid, count)?);
     kernels.push(sum::<D>(model, grid, count)?);
+    Ok(kernels)
+}
+
+/// The kernels that find what lies about every particle, which is the same while nothing moves: the body it touches, and what replaces missing pairs.
+pub(in crate::engine) fn surroundings<const D: usize>(
+    model: &Model,
+    grid: &Grid,
+    count: usize,
+) -> Result<Vec<Recording>, KernelFault> {
+    let mut kernels = Vec::new();
+    if model.conducts_between_bodies() {
+        kernels.push(touch::<D>(model, grid, count)?);
+    }
+    kernels.push(replacements::<D>(model, grid, count)?);
     Ok(kernels)
 }
 
