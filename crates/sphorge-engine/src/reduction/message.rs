@@ -71,7 +71,7 @@ impl ReductionMessage {
                     Suspicion::Compressed(limit) => (11, limit),
                     Suspicion::Expanded(limit) => (12, limit),
                     Suspicion::Away { limit, .. } => (13, limit),
-                    Suspicion::Behind(limit) => (14, limit),
+                    Suspicion::Behind { limit, breaks } => (if breaks { 17 } else { 14 }, limit),
                     Suspicion::Lonely => (15, 0.0),
                     Suspicion::MissingHeat(limit) => (16, limit),
                     Suspicion::Apart | Suspicion::Paired | Suspicion::Torn => return None,
@@ -108,7 +108,7 @@ impl ReductionMessage {
             11 => Suspicion::Compressed(limit),
             12 => Suspicion::Expanded(limit),
             13 => Suspicion::Away { low: [x, y, z], high: [u, v, w], limit },
-            14 => Suspicion::Behind(limit),
+            14 | 17 => Suspicion::Behind { limit, breaks: self.kind == 17 },
             15 => Suspicion::Lonely,
             16 => Suspicion::MissingHeat(limit),
             _ => return None,
@@ -163,7 +163,8 @@ mod tests {
             Reduction::Suspects(Suspicion::Compressed(0.9)),
             Reduction::Suspects(Suspicion::Expanded(0.3)),
             Reduction::Suspects(Suspicion::Away { low, high, limit: 0.7 }),
-            Reduction::Suspects(Suspicion::Behind(0.2)),
+            Reduction::Suspects(Suspicion::Behind { limit: 0.2, breaks: false }),
+            Reduction::Suspects(Suspicion::Behind { limit: 0.3, breaks: true }),
             Reduction::Suspects(Suspicion::Lonely),
         ];
         for reduction in asked {

@@ -45,8 +45,13 @@ pub enum Suspicion {
         /// Distance that is no suspicion, m.
         limit: f64,
     },
-    /// Behind a symmetry plane by more than this, in spacings of its body: there only its image can be. The number is that depth.
-    Behind(f64),
+    /// Behind a symmetry plane by more than this, in spacings of its body, and not severed: there only its image can be. The number is that depth.
+    Behind {
+        /// Depth that is no suspicion, in spacings.
+        limit: f64,
+        /// Whether some material breaks, so that there are severed particles.
+        breaks: bool,
+    },
     /// In a body of a material that neither spalls nor is damaged: fewer neighbours than one more than there are dimensions, which a
     /// gradient needs. The number is that of the neighbours.
     Lonely,
@@ -76,7 +81,14 @@ impl Suspicion {
             // In the total Lagrangian form bodies hang together in the reference configuration.
             Self::Apart => vec!["reference_position"],
             Self::Torn => vec!["pressure"],
-            Self::Compressed(_) | Self::Expanded(_) | Self::Away { .. } | Self::Behind(_) | Self::Paired => Vec::new(),
+            Self::Compressed(_) | Self::Expanded(_) | Self::Away { .. } | Self::Paired => Vec::new(),
+            Self::Behind { breaks, .. } => {
+                if breaks {
+                    vec!["integrity"]
+                } else {
+                    Vec::new()
+                }
+            }
         }
     }
 }
@@ -194,7 +206,7 @@ pub(super) fn evaluate<R: Turns>(
         | Suspicion::Compressed(_)
         | Suspicion::Expanded(_)
         | Suspicion::Away { .. }
-        | Suspicion::Behind(_)
+        | Suspicion::Behind { .. }
         | Suspicion::Lonely => Ok(Vec::new()),
     }
 }

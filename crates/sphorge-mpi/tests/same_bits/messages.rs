@@ -120,7 +120,7 @@ fn longest(reduction: &Reduction<'_>, found: &[f64]) -> Option<usize> {
             | Suspicion::Compressed(_)
             | Suspicion::Expanded(_)
             | Suspicion::Away { .. }
-            | Suspicion::Behind(_)
+            | Suspicion::Behind { .. }
             | Suspicion::Lonely,
         ) => Some(72),
         // They look at what lies around particles.
@@ -150,7 +150,7 @@ fn measures_and_checks_send_sums_and_no_columns_but_those_of_what_lies_around_pa
         Suspicion::Compressed(-1.0),
         Suspicion::Expanded(2.0),
         Suspicion::Away { low: [0.0; 3], high: [1e-3; 3], limit: 0.0 },
-        Suspicion::Behind(-1e3),
+        Suspicion::Behind { limit: -1e3, breaks: false },
         Suspicion::Lonely,
         Suspicion::Apart,
         Suspicion::Paired,

@@ -40,7 +40,7 @@ fn found(kind: &dyn EngineKind, deck: &str, changes: &[(&str, &str)]) -> Vec<(St
         Suspicion::Compressed(1e-5),
         Suspicion::Expanded(0.9999),
         Suspicion::Away { low: [f64::NEG_INFINITY; 3], high: [0.01, 0.0, f64::INFINITY], limit: 1e-3 },
-        Suspicion::Behind(0.1),
+        Suspicion::Behind { limit: 0.1, breaks: false },
         Suspicion::Lonely,
         Suspicion::Apart,
         Suspicion::Paired,

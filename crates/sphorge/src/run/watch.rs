@@ -17,7 +17,10 @@ use crate::{
         persist_fields,
         reduction::{Suspects, Suspicion, TEARING_RADIUS},
     },
-    model::{Formulation, HeatBoundaryKind, Model, Search, TemperatureSource, TimeTable, WarningKind, WarningLimits},
+    model::{
+        Formulation, HeatBoundaryKind, Material, Model, Search, TemperatureSource, TimeTable, WarningKind,
+        WarningLimits,
+    },
     output::WarningRecord,
 };
 use std::f64::consts::PI;
@@ -346,7 +349,8 @@ impl Watch {
             WarningKind::Compression => self.check(kind, |limit| (Suspicion::Compressed(limit), 1.0)),
             WarningKind::Expansion => self.check(kind, |limit| (Suspicion::Expanded(limit), 1.0)),
             WarningKind::BehindSymmetry if !model.symmetry.is_empty() => {
-                self.check(kind, |limit| (Suspicion::Behind(limit), 1.0))
+                let breaks = model.materials.iter().any(Material::breaks);
+                self.check(kind, |limit| (Suspicion::Behind { limit, breaks }, 1.0))
             }
             WarningKind::FarAway if reach > 0.0 => {
                 self.check(kind, |limit| (Suspicion::Away { low, high, limit: limit * reach }, reach))

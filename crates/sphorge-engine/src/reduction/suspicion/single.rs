@@ -23,6 +23,8 @@ pub struct Looked<T> {
     pub neighbors: T,
     /// Spacing of its body, m.
     pub spacing: T,
+    /// Integrity: one where nothing breaks.
+    pub integrity: T,
 }
 
 impl Looked<f64> {
@@ -35,6 +37,7 @@ impl Looked<f64> {
             plastic_work: p.plastic_work[i],
             neighbors: f64::from(p.neighbors[i]),
             spacing: model.bodies.get(p.body[i] as usize).map_or(model.spacing, |body| body.spacing),
+            integrity: p.history.integrity_of(i),
         }
     }
 }
@@ -76,7 +79,7 @@ impl Suspicion {
             Standard::Against(against)
         };
         match self {
-            Self::Cold(limit) | Self::Behind(limit) => of(&[limit]),
+            Self::Cold(limit) | Self::Behind { limit, .. } => of(&[limit]),
             Self::Hot(limit) => match material.filter(|material| material.heats()) {
                 // At least a kelvin: bodies may start at absolute zero.
                 Some(material) => {
@@ -133,11 +136,13 @@ impl Suspicion {
                 let outside = [0, 1, 2].map(outside);
                 dot(outside, outside).sqrt()
             }
-            Self::Behind(_) => {
+            Self::Behind { .. } => {
                 let depth =
                     |plane: &SymmetryPlane| (T::of(plane.position) - of.position[plane.axis]) * T::of(plane.side);
                 let deepest = model.symmetry.iter().map(depth).reduce(T::max);
-                deepest.map_or(zero, |deepest| deepest / of.spacing)
+                let depth = deepest.map_or(zero, |deepest| deepest / of.spacing);
+                // What is severed changes places with its image as it passes: nothing tells them apart.
+                T::select_lt(zero, of.integrity, depth, zero)
             }
             Self::Lonely => of.neighbors,
             Self::Apart | Self::Paired | Self::Torn => zero,

@@ -4,7 +4,7 @@ use crate::model::{
     NO_HEATING, Numerics, OutputControl, Search, Shape, Solid, SymmetryPlane, Thermal, TimeControl, Transform,
 };
 use crate::reduction::{FieldSource, Reduction, evaluate as reduce};
-use sphorge_physics::{eos::EQUATIONS_OF_STATE, flow::FLOW_LAWS, return_mapping::ReturnRule};
+use sphorge_physics::{eos::EQUATIONS_OF_STATE, flow::FLOW_LAWS, integrity::INTEGRITY, return_mapping::ReturnRule};
 
 /// Density 8000, sound speed 4000, and for `mie-gruneisen` S = 2, Gamma = 1; specific heat 400; reference temperature 300 K.
 pub(in crate::reduction) fn material(law: &str) -> Material {
@@ -241,11 +241,20 @@ fn behind_a_symmetry_plane_only_images_can_be() {
     let spacing = model.bodies[0].spacing;
     let p =
         particles(&[[0.0, 2.1], [0.0, 2.0 - 0.4 * spacing], [0.0, 2.0 - 0.6 * spacing], [10.0 + 3.0 * spacing, 5.0]]);
-    let found = find(Suspicion::Behind(0.5), &model, &p);
+    let found = find(Suspicion::Behind { limit: 0.5, breaks: false }, &model, &p);
     let number = found[0].worst.unwrap().0;
     assert_eq!(found[0].suspects, 2);
     assert!((number - 3.0).abs() < 1e-9, "{number}");
-    assert_eq!(find(Suspicion::Behind(0.5), &Model { symmetry: Vec::new(), ..model }, &p)[0].suspects, 0);
+    assert_eq!(
+        find(Suspicion::Behind { limit: 0.5, breaks: false }, &Model { symmetry: Vec::new(), ..model.clone() }, &p)[0]
+            .suspects,
+        0
+    );
+    // What is severed is there in the place of its image.
+    let mut severed = p;
+    severed.history.add(&INTEGRITY, &[1.0, 1.0, 1.0, 0.0]);
+    let found = find(Suspicion::Behind { limit: 0.5, breaks: true }, &model, &severed);
+    assert_eq!((found[0].suspects, found[0].worst.map(|worst| (worst.0 * 10.0).round())), (1, Some(6.0)));
 }
 
 #[test]

@@ -1,13 +1,13 @@
 //! Sums, extremes and checks over selected particles.
 
 use super::quantities::{Number, is_known};
-use super::reference::References;
+use super::reference::{References, integrities};
 use super::sums::{Lane, Partition, given};
 use crate::engine::columns::{
     Binder, CompensatedTensor, CompensatedVector, Group, Read, ReadColumns, Reading, Recording, groups, recording,
 };
 use crate::record::{Double, Index, Indices, KernelFault, Recorded};
-use sphorge_engine::model::{MeasureKind, Model, ParticleSelection, TemperatureSource};
+use sphorge_engine::model::{Material, MeasureKind, Model, ParticleSelection, TemperatureSource};
 use sphorge_engine::reduction::{AGAINST, Looked, Quantity, Suspicion, reach};
 use sphorge_physics::tensor::{dot, identity};
 use sphorge_physics::{Elementary, Real, Vector};
@@ -224,7 +224,10 @@ pub(in crate::engine) fn of_deck(
     ];
     checks
         .extend((model.numerics.temperature == TemperatureSource::PlasticWork).then_some(Suspicion::MissingHeat(0.0)));
-    checks.extend((!model.symmetry.is_empty()).then_some(Suspicion::Behind(0.0)));
+    checks.extend(
+        (!model.symmetry.is_empty())
+            .then_some(Suspicion::Behind { limit: 0.0, breaks: model.materials.iter().any(Material::breaks) }),
+    );
     for check in checks {
         kernels.extend(suspects(model, check, (partition, count))?);
     }
@@ -472,6 +475,7 @@ pub(in crate::engine) fn suspects(
         let (place, density) = (groups::Place::read(bind).position, groups::Density::read(bind).density);
         let (temperature, energy) = (groups::Temperature::read(bind).temperature, groups::Energy::read(bind));
         let plastic = matches!(suspicion, Suspicion::MissingHeat(_)).then(|| groups::Plastic::read(bind));
+        let integrity = matches!(suspicion, Suspicion::Behind { .. }).then(|| integrities(bind, model)).flatten();
         let (weight, places) = (groups::Weight::read(bind), bind.indices(Group::PlacesById));
         let body = lane.body();
         let against: [Double; AGAINST] = core::array::from_fn(|k| given.of_body(body, HELD_AGAINST + k));
@@ -486,6 +490,7 @@ pub(in crate::engine) fn suspects(
                 plastic_work: plastic.map_or(Double::zero(), |plastic| Double::new(plastic.work.get(i))),
                 neighbors: Double::from(weight.neighbors.get(i)),
                 spacing,
+                integrity: integrity.map_or(Double::one(), |integrity| Double::from(integrity.get(i))),
             };
             let worst = sense * suspicion.number(model, &against, &looked);
             let beyond = (worst - sense * against[0]).high;

@@ -168,7 +168,7 @@ fn checks_of_single_particles_match_columns_read_back() {
         Suspicion::Expanded(1.001),
         Suspicion::Hot(1.0 - 1e-3),
         Suspicion::Away { low, high, limit: 1e-3 },
-        Suspicion::Behind(-0.6),
+        Suspicion::Behind { limit: -0.6, breaks: false },
     ];
     for suspicion in some {
         let found = compare_suspects(&engine, suspicion);
