@@ -1,7 +1,7 @@
 //! How long a step may be where bodies approach each other: a contact acts from the step on in which surfaces have met, and what passes through a
 //! particle in a step is not met at all.
 
-use crate::model::{Body, Model};
+use crate::model::{Body, Model, MotionAxis};
 use crate::particles::Particles;
 use sphorge_physics::time_step::{longitudinal_speed, sound_limit};
 
@@ -35,13 +35,33 @@ pub(crate) fn limit(model: &Model, particles: &Particles) -> f64 {
     if model.contact_pairs().is_empty() {
         return of_meeting;
     }
-    let (mut least, mut most) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for velocity in &particles.velocity {
-        for a in 0..3 {
-            (least[a], most[a]) = (least[a].min(velocity[a]), most[a].max(velocity[a]));
-        }
-    }
-    let squared: f64 = (0..3).map(|a| (most[a] - least[a]).powi(2)).sum();
     let spacing = model.bodies.iter().map(|body| body.spacing).fold(f64::INFINITY, f64::min);
-    (LARGEST * spacing / squared.sqrt()).min(of_meeting)
+    let fastest = diagonal(|a| range(particles.velocity.iter().map(|v| v[a])));
+    (LARGEST * spacing / fastest).min(of_meeting)
+}
+
+/// How fast anything in a model can approach anything else, m/s: bodies at the start, what is held in motion and walls at any time. Velocities of single particles
+/// of a file are not looked at.
+pub(crate) fn fastest(model: &Model) -> f64 {
+    let ends: Vec<[f64; 3]> = model.bodies.iter().flat_map(|body| body.velocity_bounds(model.dimensions)).collect();
+    let tables = |a: usize| {
+        let held = model.motions.iter().filter_map(move |motion| match &motion.axes[a] {
+            MotionAxis::Free => None,
+            MotionAxis::Velocity(table) => Some(table),
+        });
+        held.chain(model.walls.iter().map(move |wall| &wall.velocity[a]))
+    };
+    let driven = |a: usize| tables(a).flat_map(|table| table.points.iter().map(|point| point.1));
+    diagonal(|a| range(ends.iter().map(|v| v[a]).chain(driven(a))))
+}
+
+/// Length of what has such components.
+fn diagonal(component: impl Fn(usize) -> f64) -> f64 {
+    (0..3).map(|a| component(a).powi(2)).sum::<f64>().sqrt()
+}
+
+/// From the least to the largest of some numbers.
+fn range(values: impl Iterator<Item = f64>) -> f64 {
+    let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), v| (least.min(v), most.max(v)));
+    most - least
 }

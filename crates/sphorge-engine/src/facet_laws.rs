@@ -1,9 +1,10 @@
 //! The laws of the contact of bodies at their facets. Bodies are of few kinds, and a law belongs to two kinds.
 
+use crate::approach::fastest;
 use crate::geometry::facet_thickness;
 use crate::model::{Body, Model};
 use sphorge_physics::contact::ContactStrength;
-use sphorge_physics::facet::{FacetMaterial, FacetPairLaw, FacetStrength};
+use sphorge_physics::facet::{FacetImpact, FacetMaterial, FacetPairLaw, FacetStrength};
 
 /// The laws of the pairs of bodies, by kinds of bodies.
 #[derive(Clone, Debug)]
@@ -21,6 +22,7 @@ impl FacetLaws {
         let ContactStrength { stiffness, damping, friction } = strength;
         let strength = FacetStrength { stiffness, damping, friction };
         let mut examples: Vec<(FacetMaterial, bool)> = Vec::new();
+        let impact = impact(model);
         let kind = |body: &Body| {
             let material = &model.materials[body.material];
             let speed = material.equation_of_state.reference_sound_speed();
@@ -40,7 +42,8 @@ impl FacetLaws {
         let thickness = facet_thickness(model).powi(3 - model.dimensions.count() as i32);
         let law = |(a, a_breaks): &(FacetMaterial, bool), (b, b_breaks): &(FacetMaterial, bool)| {
             let law = FacetPairLaw::new(a, b, strength);
-            let law = if *a_breaks || *b_breaks { law.giving_way() } else { law };
+            let closed = law.stiffness * (a.half_depth + b.half_depth);
+            let law = if *a_breaks || *b_breaks { law.giving_way(impact, closed) } else { law };
             FacetPairLaw {
                 stiffness: law.stiffness / thickness,
                 damping: law.damping / thickness,
@@ -57,4 +60,24 @@ impl FacetLaws {
     pub fn of(&self, a: usize, b: usize) -> &FacetPairLaw<f64> {
         &self.laws[self.kinds[a] * self.count + self.kinds[b]]
     }
+}
+
+/// What faces bear before they give way, over the pressure behind the shocks of an impact: the first swing, and what two shocks make where they meet.
+const BORNE: f64 = 3.0;
+
+/// The energy that they stop before they give way, over that with which the impact meets them.
+const STOPPED: f64 = 1.5;
+
+/// What flat faces have to bear in a model if each material meets the like as fast as anything does: behind both shocks `rho v/2 (c + S v/2)` with `S = 1.5`,
+/// as metals have it, and `rho v^2/4` of the two cells that meet. What is driven meets them with all of its speed, as if the other half were as fast.
+fn impact(model: &Model) -> FacetImpact {
+    let is_driven = !model.motions.is_empty() || !model.walls.is_empty();
+    let half = if is_driven { 1.0 } else { 0.5 } * fastest(model);
+    let of = |body: &Body| {
+        let material = &model.materials[body.material];
+        let sound = material.equation_of_state.reference_sound_speed();
+        [material.density * half * (sound + 1.5 * half), material.density * half * half]
+    };
+    let most = |which: usize| model.bodies.iter().map(|body| of(body)[which]).fold(0.0, f64::max);
+    FacetImpact { pressure: BORNE * most(0), energy: STOPPED * most(1) }
 }

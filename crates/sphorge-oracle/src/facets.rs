@@ -2,9 +2,9 @@
 
 use super::Oracle;
 use super::pairs::{Image, minus, plus};
-use sphorge_engine::Particles;
 use sphorge_engine::geometry::{ReferenceFacets, facet_thickness};
 use sphorge_engine::model::{BodyContact, Model};
+use sphorge_engine::{FacetLaws, Particles};
 use sphorge_physics::conduction::friction_share;
 use sphorge_physics::facet::{
     Facet, FacetMaterial, FacetPairLaw, FacetPress, FacetSlip, FacetStrength, FrictionShare, Partner, ReferenceFacet,
@@ -72,23 +72,25 @@ impl Facets {
         let (stiffness, damping, friction) = (strength.stiffness, strength.damping, strength.friction);
         // Facets have a thickness where the space has none.
         let missing = facet_thickness(model).powi(3 - model.dimensions.count() as i32);
-        let breaks = |body: &sphorge_engine::model::Body| model.materials[body.material].breaks();
-        let law = |a, b| {
+        // Where pairs give way is a choice, not a law.
+        let chosen = FacetLaws::new(model, strength);
+        let law = |i: usize, j: usize| {
+            let (a, b) = (&model.bodies[i], &model.bodies[j]);
             let law = FacetPairLaw::new(&material(a), &material(b), FacetStrength { stiffness, damping, friction });
             FacetPairLaw {
                 stiffness: law.stiffness / missing,
                 damping: law.damping / missing,
                 tangential_stiffness: law.tangential_stiffness / missing,
                 friction,
-                // Half of the distance at touch, where cells may come to lie behind each other.
-                gives_way: if breaks(a) || breaks(b) { 0.5 } else { 0.0 },
+                gives_way: chosen.of(i, j).gives_way,
             }
         };
+        let bodies = || 0..model.bodies.len();
         let mut facets = Self {
             all: ReferenceFacets::new(model),
             reference: Vec::new(),
             now: Vec::new(),
-            laws: model.bodies.iter().map(|a| model.bodies.iter().map(|b| law(a, b)).collect()).collect(),
+            laws: bodies().map(|i| bodies().map(|j| law(i, j)).collect()).collect(),
             has_friction: friction > 0.0,
             springs: vec![[(FacetSlip::none(), 0.0); 6]; p.len()],
             gradient: vec![[[0.0; 3]; 3]; p.len()],

@@ -42,7 +42,7 @@ mod torn;
 
 pub use friction::{FacetSlip, FrictionShare, SlipDrive, damp_sliding, friction_force, slip_after};
 pub use limit::{FacetStiffness, MARGIN, MOBILITY};
-pub use press::{FacetMaterial, FacetPairLaw, FacetPress, FacetStrength, Partner, press};
+pub use press::{FacetImpact, FacetMaterial, FacetPairLaw, FacetPress, FacetStrength, Partner, press};
 pub use segment::RigidSegment;
 pub use torn::moment_of_torn;
 

@@ -1,6 +1,6 @@
 //! Bodies: shape, lattice, first motion.
 
-use super::Parts;
+use super::{Dimensions, Parts};
 use std::{path::PathBuf, sync::Arc};
 
 /// A body of particles.
@@ -71,6 +71,36 @@ impl Body {
         std::array::from_fn(|k| {
             self.velocity[k] + turning[k] + (g[k][0] * d[0] + g[k][1] * d[1] + g[k][2] * d[2]) + shape[k] + radial[k]
         })
+    }
+}
+
+impl Body {
+    /// Least and largest initial velocity of any point of the body by components, m/s, or beyond.
+    pub fn velocity_bounds(&self, dimensions: Dimensions) -> [[f64; 3]; 2] {
+        let (low, high) = self.shape.bounds(dimensions);
+        let bounds = [low, high];
+        let linear = Self { velocity_profile: None, radial_velocity: None, ..self.clone() };
+        let corners = (0..8).map(|k| linear.initial_velocity([0, 1, 2].map(|a| bounds[k >> a & 1][a])));
+        let rows = |rows: &[(f64, f64)]| {
+            rows.iter()
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], row| [least.min(row.1), most.max(row.1)])
+        };
+        let profile = self.velocity_profile.as_ref().map_or([[0.0; 3]; 2], |profile| {
+            let ends = rows(&profile.rows).map(|share| profile.amplitude.map(|v| share * v));
+            [f64::min, f64::max].map(|pick| [0, 1, 2].map(|a| pick(ends[0][a], ends[1][a])))
+        });
+        let radial = self.radial_velocity.as_ref().map_or(0.0, |radial| {
+            let [least, most] = rows(&radial.rows);
+            most.max(-least)
+        });
+        let (mut least, mut most) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for corner in corners {
+            for a in 0..3 {
+                least[a] = least[a].min(corner[a] + profile[0][a] - radial);
+                most[a] = most[a].max(corner[a] + profile[1][a] + radial);
+            }
+        }
+        [least, most]
     }
 }
 

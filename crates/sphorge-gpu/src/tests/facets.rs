@@ -1,8 +1,8 @@
 //! The contact of facets as functions of an array of numbers.
 
 use sphorge_physics::facet::{
-    Facet, FacetPairLaw, FacetSlip, FrictionShare, Partner, ReferenceFacet, SlipDrive, friction_force, press,
-    slip_after,
+    Facet, FacetImpact, FacetPairLaw, FacetSlip, FrictionShare, Partner, ReferenceFacet, SlipDrive, friction_force,
+    press, slip_after,
 };
 use sphorge_physics::tensor::identity;
 use sphorge_physics::{Elementary, SymmetricTensor, Tensor};
@@ -51,7 +51,7 @@ fn facets<T: Elementary>(x: &[T]) -> [Facet<T>; 2] {
 
 /// Half of the pairs give way.
 fn law<T: Elementary>(x: &[T]) -> FacetPairLaw<T> {
-    let [never, ever] = [LAW, LAW.giving_way()].map(|law| T::of(law.gives_way));
+    let [never, ever] = [LAW, LAW.giving_way(FacetImpact::default(), 1.0)].map(|law| T::of(law.gives_way));
     FacetPairLaw { gives_way: T::select_lt(x[19], T::zero(), never, ever), ..LAW.cast() }
 }
 

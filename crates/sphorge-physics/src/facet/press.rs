@@ -30,6 +30,15 @@ pub struct FacetStrength {
     pub friction: f64,
 }
 
+/// What the flat faces of bodies have to withstand.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FacetImpact {
+    /// Pressure that they bear, Pa.
+    pub pressure: f64,
+    /// Energy that the cells on both sides bring, over the area and `D`, J/m^3.
+    pub energy: f64,
+}
+
 /// The contact of facets of two bodies; the same for both orders.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FacetPairLaw<T> {
@@ -41,19 +50,20 @@ pub struct FacetPairLaw<T> {
     pub friction: T,
     /// `k_t`, Pa/m.
     pub tangential_stiffness: T,
-    /// Closure over `D` from which on it falls again, so that nothing is left where owners pass each other; zero where it never does ([`Self::giving_way`]).
+    /// Closure over `D` from which on it falls again, so that nothing is left where owners pass each other; zero where it never does, as at rigid planes
+    /// ([`Self::giving_way`]).
     pub gives_way: T,
 }
 
 /// `k_t` over `k`.
 const TANGENTIAL: f64 = 0.5;
 
-/// Closure over `D` from which on a pair that gives way is closed less again. Its pressure there is 1.5 times that of the half cells closed by all of their
-/// depth, some hundred GPa for metals, which no impact of bodies that break by damage comes to.
+/// Closure over `D` from which on a pair is closed less again, at least. Its pressure there is 1.5 `k D`, some hundred GPa for metals.
 const GIVES_WAY: f64 = 0.5;
 
-/// Distance of owners along `m` over `D` above which a pair that gives way presses with all of its closure, and none of it where they pass each other.
-const IN_ORDER: f64 = 0.3;
+/// Distance of owners along `m` over `D` above which a pair that gives way presses with all of its closure, and none of it where they pass each other, over what
+/// is left between them where it begins to give way.
+const IN_ORDER: f64 = 0.6;
 
 impl FacetPairLaw<f64> {
     /// `k = f / (D_a/K_a + D_b/K_b)`; damping `zeta sqrt(2) Z` with the harmonic mean `Z` of `sqrt(rho K)`. Bit-identical in both orders.
@@ -88,9 +98,16 @@ impl FacetPairLaw<f64> {
     }
 
     /// Of bodies that may break, or meet ones that do: their cells come to lie beside and behind each other, where a pair would begin to press with all of `D`
-    /// closed as soon as its owners are in order. Between that and half of `D` these pairs give way instead, from nothing on.
-    pub fn giving_way(self) -> Self {
-        Self { gives_way: GIVES_WAY, ..self }
+    /// closed as soon as its owners are in order. Between that and half of `D` pairs give way instead, from nothing on; or between that and more of `D`, where an impact asks for it, and not at all
+    /// where that would be more than [`STIFFEST`]. `closed` is `k D` of the bodies at rest, Pa.
+    ///
+    /// Of `phi = x^2/(2 u)` and `phi' = (1 - u^2)/(2 u^2)` with `u = 1 - x` (33b).
+    pub fn giving_way(self, impact: FacetImpact, closed: f64) -> Self {
+        let for_pressure = 1.0 / Real::sqrt(1.0 + 2.0 * impact.pressure / closed);
+        let ratio = 1.0 + impact.energy / closed;
+        let for_energy = 1.0 / (ratio + Real::sqrt(ratio * ratio - 1.0));
+        let way = GIVES_WAY.max(1.0 - for_pressure.min(for_energy));
+        Self { gives_way: if way > STIFFEST { 0.0 } else { way }, ..self }
     }
 
     /// In the numbers of another precision.
@@ -278,16 +295,14 @@ pub(super) fn facing<T: Real>(cosine: T) -> (T, T) {
 /// Closure over `D` up to which the stiffness grows; from there on it stays.
 const STIFFEST: f64 = 0.8;
 
-/// Largest second derivative of `omega`.
-const STEEPEST_ORDER: f64 = 6.0 / (IN_ORDER * IN_ORDER);
-
-/// `omega` and `omega'` of the distance of owners along `m` over `D`, where pairs give way; one elsewhere.
+/// `omega`, `omega'` and the largest `omega''` of the distance of owners along `m` over `D`, where pairs give way; one elsewhere.
 #[inline(always)]
-fn in_order<T: Real>(distance: T, gives_way: T) -> (T, T) {
-    let (zero, one, range) = (T::zero(), T::one(), T::of(IN_ORDER));
+fn in_order<T: Real>(distance: T, gives_way: T) -> [T; 3] {
+    let (zero, one, six) = (T::zero(), T::one(), T::of(6.0));
+    let range = T::of(IN_ORDER) * (one - gives_way);
     let t = (distance / range).max(zero).min(one);
     let way = |then: T, otherwise: T| T::select_lt(zero, gives_way, then, otherwise);
-    (way(t * t * (T::of(3.0) - t - t), one), way(T::of(6.0) * t * (one - t) / range, zero))
+    [way(t * t * (T::of(3.0) - t - t), one), way(six * t * (one - t) / range, zero), six / (range * range)]
 }
 
 /// `phi`, `phi'` and `phi''` of a closure over `D`: `phi = x^2/(2 (1 - x))`, from [`STIFFEST`] on continued with a constant second derivative.
@@ -539,14 +554,12 @@ fn clipped<T: Elementary, const N: usize, const M: usize>(
 ) -> [Vertex<T>; M] {
     let outside = core::array::from_fn(|k| turn(difference(polygon[k].place, cutter.place), cutter.edge.tangent));
     let size = (0..N).fold(T::zero(), |most, k| most.max(extent(polygon[k].place)));
-    let tolerance = T::of(COINCIDENT).max(T::of(ROUNDING) * T::epsilon());
-    clip(polygon, outside, tolerance * size, cutter.edge)
+    clip(polygon, outside, T::of(COINCIDENT) * size, cutter.edge)
 }
 
-/// Distance over the size of a facet within which edges coincide.
-const COINCIDENT: f64 = 1.0 / 67_108_864.0;
-/// The same in roundings, where numbers have few digits.
-const ROUNDING: f64 = 64.0;
+/// Distance over the size of a facet within which edges coincide: 64 roundings of single precision, in which stresses or more are computed. Where cells are in line
+/// chance would decide whose edges pull, with all of the energy along them: with a thousandth of it plates at 3 km/s were torn at their contact by rounding.
+const COINCIDENT: f64 = 1.0 / 131_072.0;
 
 #[inline(always)]
 fn extent<T: Real>(place: Place<T>) -> T {
@@ -799,7 +812,7 @@ impl<T: Elementary> Surfaces<T> {
             || {
                 let (chi, by_cosine) = facing(cosine);
                 let distance = -dot(between, m);
-                let (order, by_order) = in_order(distance / depth, law.gives_way);
+                let [order, by_order, steepest_order] = in_order(distance / depth, law.gives_way);
                 // The derivative by the distance of the owners, which turns `m` as other forces do.
                 let parted = by_order * chi * area * energy / depth;
                 let (chi, by_cosine) = (chi * order, by_cosine * order);
@@ -808,8 +821,8 @@ impl<T: Elementary> Surfaces<T> {
                 let gives = |then: T, otherwise: T| T::select_lt(zero, law.gives_way, then, otherwise);
                 let force = [0, 1, 2].map(|i: usize| gives(chi * force[i] - parted * m[i], chi * force[i]));
                 let by_depth = chi * area * by_depth - parted * distance / depth;
-                let stiffness = chi * stiffness
-                    + T::select_lt(zero, by_order, T::of(STEEPEST_ORDER) * energy / (depth * depth), zero);
+                let stiffness =
+                    chi * stiffness + T::select_lt(zero, by_order, steepest_order * energy / (depth * depth), zero);
                 let [mut moment_a, mut moment_b] =
                     [about_a, about_b].map(|moment| moment.map(|row| row.map(|c| chi * c)));
                 // The rectangle turns with the first edge of a.
