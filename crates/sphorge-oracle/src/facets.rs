@@ -83,6 +83,7 @@ impl Facets {
                 tangential_stiffness: law.tangential_stiffness / missing,
                 friction,
                 gives_way: chosen.of(i, j).gives_way,
+                coincidence: 0.0,
             }
         };
         let bodies = || 0..model.bodies.len();

@@ -72,9 +72,7 @@ impl Body {
             self.velocity[k] + turning[k] + (g[k][0] * d[0] + g[k][1] * d[1] + g[k][2] * d[2]) + shape[k] + radial[k]
         })
     }
-}
 
-impl Body {
     /// Least and largest initial velocity of any point of the body by components, m/s, or beyond.
     pub fn velocity_bounds(&self, dimensions: Dimensions) -> [[f64; 3]; 2] {
         let (low, high) = self.shape.bounds(dimensions);

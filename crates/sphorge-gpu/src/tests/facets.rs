@@ -7,8 +7,14 @@ use sphorge_physics::facet::{
 use sphorge_physics::tensor::identity;
 use sphorge_physics::{Elementary, SymmetricTensor, Tensor};
 
-const LAW: FacetPairLaw<f64> =
-    FacetPairLaw { stiffness: 2.0, damping: 0.3, friction: 0.3, tangential_stiffness: 1.0, gives_way: 0.0 };
+const LAW: FacetPairLaw<f64> = FacetPairLaw {
+    stiffness: 2.0,
+    damping: 0.3,
+    friction: 0.3,
+    tangential_stiffness: 1.0,
+    gives_way: 0.0,
+    coincidence: 0.0,
+};
 
 /// The square face of a unit cube around its owner that looks along y to `side`, of a surface with a curvature along x.
 fn square<T: Elementary>(side: f64, curvature: T) -> ReferenceFacet<T> {

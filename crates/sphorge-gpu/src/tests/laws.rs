@@ -366,7 +366,7 @@ pub(super) fn laws() -> Vec<Law> {
             all
         }
     );
-    law!(laws, "contact of facets", facets::RANGES, 87, |x: &[T]| facets::pair(x));
+    law!(laws, "contact of facets", facets::RANGES, 86, |x: &[T]| facets::pair(x));
     law!(laws, "friction of facets", facets::RANGES, 64, |x: &[T]| facets::slip(x));
     law!(
         laws,

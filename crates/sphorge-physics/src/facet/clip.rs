@@ -92,8 +92,7 @@ fn widened<T: Real, const N: usize, const M: usize>(polygon: &[Vertex<T>; N]) ->
 /// What is left of a convex polygon where `outside`, a linear function given at its vertices, is not above `tolerance`; `M = N + 1`. Where
 /// nothing is left, all vertices are in one place.
 ///
-/// The tolerance decides on which side coincident lines are: those of the polygon are kept, whatever rounding says. Of a polygon on the other side of such a line
-/// nothing is left, and no sliver as wide as rounding: its edges would pull as much as those of any other.
+/// The tolerance decides on which side coincident lines are: those of the polygon are kept, whatever rounding says.
 #[inline(always)]
 pub(super) fn clip<T: Elementary, const N: usize, const M: usize>(
     polygon: [Vertex<T>; N],
@@ -102,9 +101,6 @@ pub(super) fn clip<T: Elementary, const N: usize, const M: usize>(
     cutter: Line<T>,
 ) -> [Vertex<T>; M] {
     let farthest = outside.iter().fold(-T::largest(), |most, s| most.max(*s));
-    let deepest = outside.iter().fold(T::largest(), |least, s| least.min(*s));
-    let beside = T::select_lt(-tolerance, deepest, tolerance + tolerance, T::zero());
-    let outside = outside.map(|s| s + beside);
     T::if_lt(tolerance, farthest, || cut(polygon, outside, tolerance, cutter), || widened(&polygon))
 }
 

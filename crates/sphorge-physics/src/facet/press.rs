@@ -53,6 +53,9 @@ pub struct FacetPairLaw<T> {
     /// Closure over `D` from which on it falls again, so that nothing is left where owners pass each other; zero where it never does, as at rigid planes
     /// ([`Self::giving_way`]).
     pub gives_way: T,
+    /// Distance over the size of a facet within which edges coincide, if that is more than [`COINCIDENT`]: where places are rounded more than by the numbers
+    /// that the law is computed in.
+    pub coincidence: T,
 }
 
 /// `k_t` over `k`.
@@ -94,6 +97,7 @@ impl FacetPairLaw<f64> {
             friction: strength.friction,
             tangential_stiffness: if strength.friction > 0.0 { TANGENTIAL * stiffness } else { 0.0 },
             gives_way: 0.0,
+            coincidence: 0.0,
         }
     }
 
@@ -114,6 +118,7 @@ impl FacetPairLaw<f64> {
     pub fn cast<T: Real>(self) -> FacetPairLaw<T> {
         FacetPairLaw {
             gives_way: T::of(self.gives_way),
+            coincidence: T::of(self.coincidence),
             stiffness: T::of(self.stiffness),
             damping: T::of(self.damping),
             friction: T::of(self.friction),
@@ -546,20 +551,29 @@ fn press_facing<T: Elementary>(
     T::if_lt(surfaces.clearance(&outline_a, &outline_b), T::zero(), press, FacetPress::none)
 }
 
-/// Cut by the edge of the other facet that starts at a vertex.
+/// Cut by the edge of the other facet that starts at a vertex. Coincident edges are those of the polygon, and of a polygon on the other side of one nothing is
+/// left: the edges of a sliver as wide as rounding, which has no energy, would pull with all of that beside it.
 #[inline(always)]
 fn clipped<T: Elementary, const N: usize, const M: usize>(
     polygon: [Vertex<T>; N],
     cutter: &Vertex<T>,
+    coincidence: T,
 ) -> [Vertex<T>; M] {
     let outside = core::array::from_fn(|k| turn(difference(polygon[k].place, cutter.place), cutter.edge.tangent));
     let size = (0..N).fold(T::zero(), |most, k| most.max(extent(polygon[k].place)));
-    clip(polygon, outside, T::of(COINCIDENT) * size, cutter.edge)
+    let tolerance = coincidence.max(T::of(COINCIDENT).max(T::of(ROUNDING) * T::epsilon())) * size;
+    let deepest = outside.iter().fold(T::largest(), |least, s| least.min(*s));
+    let farthest = outside.iter().fold(-T::largest(), |most, s| most.max(*s));
+    // An edge without length has all on it, and cuts nothing.
+    let reaches = T::select_lt(tolerance, farthest, tolerance + tolerance, T::zero());
+    let beside = T::select_lt(-tolerance, deepest, reaches, T::zero());
+    clip(polygon, outside.map(|s| s + beside), tolerance, cutter.edge)
 }
 
-/// Distance over the size of a facet within which edges coincide: 64 roundings of single precision, in which stresses or more are computed. Where cells are in line
-/// chance would decide whose edges pull, with all of the energy along them: with a thousandth of it plates at 3 km/s were torn at their contact by rounding.
-const COINCIDENT: f64 = 1.0 / 131_072.0;
+/// Distance over the size of a facet within which edges coincide.
+const COINCIDENT: f64 = 1.0 / 67_108_864.0;
+/// The same in roundings, where numbers have few digits.
+const ROUNDING: f64 = 64.0;
 
 #[inline(always)]
 fn extent<T: Real>(place: Place<T>) -> T {
@@ -680,10 +694,10 @@ impl<T: Elementary> Surfaces<T> {
             Partner::Plane => core::array::from_fn(|k| whole[k.min(3)]),
             Partner::Facet => {
                 let cutters = polygon(outline_b, -T::one());
-                let five: [Vertex<T>; 5] = clipped(whole, &cutters[0]);
-                let six: [Vertex<T>; 6] = clipped(five, &cutters[1]);
-                let seven: [Vertex<T>; 7] = clipped(six, &cutters[2]);
-                clipped(seven, &cutters[3])
+                let five: [Vertex<T>; 5] = clipped(whole, &cutters[0], law.coincidence);
+                let six: [Vertex<T>; 6] = clipped(five, &cutters[1], law.coincidence);
+                let seven: [Vertex<T>; 7] = clipped(six, &cutters[2], law.coincidence);
+                clipped(seven, &cutters[3], law.coincidence)
             }
         };
         // Plane facets press where their gap is negative, which is a straight line.

@@ -1,8 +1,14 @@
 use super::*;
 use crate::tensor::identity;
 
-const LAW: FacetPairLaw<f64> =
-    FacetPairLaw { stiffness: 1.0, damping: 0.3, friction: 0.3, tangential_stiffness: 0.5, gives_way: 0.0 };
+const LAW: FacetPairLaw<f64> = FacetPairLaw {
+    stiffness: 1.0,
+    damping: 0.3,
+    friction: 0.3,
+    tangential_stiffness: 0.5,
+    gives_way: 0.0,
+    coincidence: 0.0,
+};
 
 /// A number between -1 and 1, another one each time.
 fn random(state: &mut u64) -> f64 {
@@ -346,7 +352,7 @@ fn sides_of_bodies_that_lap_at_their_edges_are_closed_by_no_more_than_they_lap()
     };
     assert_eq!(side(0.5, 0.0).normal, [1.0, 0.0, 0.0]);
     assert_eq!(side(-0.5, 0.0).normal, [-1.0, 0.0, 0.0]);
-    for sunk in [1e-5, 1e-3, 0.1] {
+    for sunk in [1e-6, 1e-3, 0.1] {
         let (free, held) = (pair(sunk, 1.0), pair(sunk, 0.0));
         // Energy k c^2/2 over the height, with a closure that falls from the lap to nothing, half-way there, or of half a spacing.
         let closure = 0.5 * sunk / (1.0 - sunk);
@@ -688,8 +694,11 @@ fn cells_in_line_do_not_pull_each_other_aside_by_rounding() {
             let [left, right] = [0.0, 1.0].map(|x| facet(-1.0, x, -0.2));
             let others = [-1.0, 0.0, 1.0, 2.0].map(|x| facet(1.0, x + sign * shift, 0.0));
             for own in [left, right] {
-                let pulled: f64 = others.iter().map(|other| press(&own, other, Partner::Facet, &LAW).force[0]).sum();
-                assert!(pulled.abs() < 1e-9, "{shift} {sign}: {pulled}");
+                for law in [LAW, FacetPairLaw { coincidence: 1e-5, ..LAW }] {
+                    let along = |other: &Facet<f64>| press(&own, other, Partner::Facet, &law).force[0];
+                    let pulled: f64 = others.iter().map(along).sum();
+                    assert!(pulled.abs() < 1e-9, "{shift} {sign}: {pulled}");
+                }
             }
         }
     }
@@ -738,7 +747,7 @@ fn pairs_that_give_way_keep_the_derivative() {
     // Cells beside and behind each other, tilted and sheared.
     let law = LAW.giving_way(FacetImpact::default(), 1.0);
     let mut state = 13;
-    let (mut count, mut beginning, mut in_line) = (0, 0, 0);
+    let (mut count, mut beginning) = (0, 0);
     for _ in 0..600 {
         let tilt = 0.4 * random(&mut state);
         let (s, c) = tilt.sin_cos();
@@ -766,14 +775,7 @@ fn pairs_that_give_way_keep_the_derivative() {
                 pressed(&a, &b).energy
             };
             let slope = (moved(by) - moved(-by)) / (2.0 * by);
-            // What is between edges that all but coincide goes to one of them.
-            let is_in_line = (slope + p.force[i]).abs() > 1e-6 * size;
-            in_line += usize::from(is_in_line);
-            assert!(
-                (slope + p.force[i]).abs() < if is_in_line { 1e-4 } else { 1e-6 } * size,
-                "{slope} {} {size}",
-                p.force[i]
-            );
+            assert!((slope + p.force[i]).abs() < 1e-6 * size, "{slope} {} {size}", p.force[i]);
             for j in 0..3 {
                 for (side, stress) in stress.iter().enumerate() {
                     let deformed = |step: f64| {
@@ -787,7 +789,7 @@ fn pairs_that_give_way_keep_the_derivative() {
             }
         }
     }
-    assert!(count > 150 && beginning > 30 && in_line < 4, "{count} {beginning} {in_line}");
+    assert!(count > 150 && beginning > 30, "{count} {beginning}");
 }
 
 #[test]

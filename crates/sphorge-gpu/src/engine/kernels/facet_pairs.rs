@@ -10,7 +10,7 @@ use crate::engine::columns::{
     Binder, CompensatedVector, Group, Read, ReadColumns, ReadRecords, Records, VectorColumns, groups,
 };
 use crate::record::{Index, Indices, Recorded, Scope};
-use sphorge_engine::model::Model;
+use sphorge_engine::model::{Material, Model};
 use sphorge_physics::facet::{Facet, FacetPairLaw, FacetPress, Partner, press as press_of_pair};
 use sphorge_physics::tensor::{apply, dot, inverse};
 use sphorge_physics::{Elementary, Numbers, Real, Vector};
@@ -26,6 +26,8 @@ pub(super) struct Points {
     pub(super) body: Indices,
     pub(super) laws: groups::FacetLaws<Records>,
     pub(super) bodies: u32,
+    /// Whether the law of some pair does.
+    pub(super) some_give_way: bool,
     pub(super) itself: Option<SelfPairs>,
 }
 
@@ -91,6 +93,7 @@ impl Points {
             body: bind.indices(Group::Body),
             laws: groups::FacetLaws::records(bind),
             bodies: model.bodies.len() as u32,
+            some_give_way: model.materials.iter().any(Material::breaks),
             itself: SelfPairs::of(bind, model, references),
         }
     }
@@ -103,7 +106,9 @@ impl Points {
             damping: self.laws.damping.get(pair),
             friction: self.laws.friction.get(pair),
             tangential_stiffness: self.laws.tangential_stiffness.get(pair),
-            gives_way: self.laws.gives_way.get(pair),
+            gives_way: if self.some_give_way { self.laws.gives_way.get(pair) } else { Recorded::zero() },
+            // Single precision has it by itself.
+            coincidence: Recorded::zero(),
         };
         (law, self.laws.friction_share.get(pair))
     }

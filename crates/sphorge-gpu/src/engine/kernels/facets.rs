@@ -27,7 +27,7 @@ const FARTHER: f64 = 1.1;
 
 /// Numbers of the law of two bodies.
 pub(super) fn law_numbers(laws: &FacetLaws, (a, b): (usize, usize), friction_share: f64) -> [f64; 6] {
-    let FacetPairLaw { stiffness, damping, friction, tangential_stiffness, gives_way } = *laws.of(a, b);
+    let FacetPairLaw { stiffness, damping, friction, tangential_stiffness, gives_way, .. } = *laws.of(a, b);
     [stiffness, damping, friction, tangential_stiffness, gives_way, friction_share]
 }
 
