@@ -246,28 +246,28 @@ impl Watch {
         self.supply.exchanged += (kinetic - self.supply.kinetic.unwrap_or(start.kinetic)).abs();
         self.supply.kinetic = Some(kinetic);
         let supplied = start.kinetic + start.internal.max(0.0) + start.pressed + self.supply.work + self.supply.heat;
+        let floors: Vec<f64> =
+            (0..ledger.bodies.len()).map(|body| ledger.bodies[body].mass * least_energy(model, body)).collect();
+        let floor = floors.iter().sum::<f64>();
+        // Heat that may leave is in play as well: it expands what it enters.
+        let in_play = supplied - floor;
         let (nothing, kinetic) = (start.nothing, start.kinetic);
         // A share of next to nothing is no number for people.
         let share =
             |amount: f64, of: f64| if amount.abs() <= nothing { 0.0 } else { amount / of.max(amount.abs() / LARGEST) };
-        let plastic = share(ledger.total.energies.plastic_work, supplied);
+        let plastic = share(ledger.total.energies.plastic_work, in_play);
         self.hold(WarningKind::PlasticWork, plastic, Place::default(), clock);
 
         // The work is taken at predicted velocities; the integrator has booked how far that is off.
         let springs =
             (ledger.hourglass_energy - ledger.hourglass_stored_energy).abs() - ledger.integration_energy.abs();
-        self.hold(WarningKind::HourglassWork, share(springs.max(0.0), supplied), Place::default(), clock);
+        self.hold(WarningKind::HourglassWork, share(springs.max(0.0), in_play), Place::default(), clock);
 
         // Every passage between motion and matter has its error, so that of a vibration grows without end.
         let passed = supplied.max(self.supply.exchanged);
         let lost = ledger.integration_energy.abs();
         self.hold(WarningKind::Integration, share(lost, passed), Place::default(), clock);
 
-        let floors: Vec<f64> =
-            (0..ledger.bodies.len()).map(|body| ledger.bodies[body].mass * least_energy(model, body)).collect();
-        let floor = floors.iter().sum::<f64>();
-        // Heat that may leave is in play as well.
-        let in_play = supplied - floor;
         let at_rest: Vec<f64> =
             (0..ledger.bodies.len()).map(|body| ledger.bodies[body].mass * energy_at_start(model, body)).collect();
         let gained = ledger.total.energies.internal - at_rest.iter().sum::<f64>();

@@ -48,6 +48,44 @@ fn plastic_work_is_held_against_all_that_was_supplied() {
 }
 
 #[test]
+fn heat_that_bodies_give_each_other_is_supplied() {
+    // At rest, a body that is 50 K hotter than another: 400 J/(kg K) of each kilogram may expand what is colder.
+    let deck = r#"
+        dimensions = "1d"
+        particles = { spacing = "1 mm" }
+        time = { end = "1 us" }
+        body = [
+            { name = "hot", material = "metal", shape = { box = { min = ["0 m"], max = ["1 m"] } }, temperature = "350 K" },
+            { name = "cold", material = "metal", shape = { box = { min = ["1 m"], max = ["2 m"] } }, temperature = "300 K" },
+        ]
+        thermal = {}
+        material.metal = { density = "8000 kg/m^3", specific-heat = "400 J/(kg K)", conductivity = "300 W/(m K)", bulk-modulus = "128 GPa", equation-of-state = "linear", strength = "none" }
+    "#;
+    let mut model = crate::deck::load_text("metal", deck, &[]).unwrap_or_else(|report| panic!("{report:?}")).model;
+    let start = Start { high: [1.0, 0.0, 0.0], nothing: 1e-3, ..Start::default() };
+    let internal = [0, 1].map(|body| energy_at_start(&model, body));
+    let bodies = internal.map(|internal| BodyLedger {
+        mass: 1.0,
+        energies: Energies { internal, ..Energies::default() },
+        ..BodyLedger::default()
+    });
+    for (conducts, expected) in [(true, 1.25), (false, LARGEST)] {
+        model.thermal.conduction = conducts;
+        let mut watch = Watch { start: Some(start.clone()), ..Watch::new(&model) };
+        let two = |plastic_work: f64, springs: f64| Ledger {
+            bodies: bodies.to_vec(),
+            hourglass_energy: springs,
+            ..ledger(0.0, internal[0] + internal[1], plastic_work, 0.0)
+        };
+        watch.look_at_ledger(&model, &two(19_000.0, 1900.0), CLOCK);
+        assert_eq!(watch.count() == 0, conducts);
+        watch.look_at_ledger(&model, &two(25_000.0, 0.0), CLOCK);
+        let plastic = found(&watch, &model).into_iter().find(|(name, _)| name == "plastic-work").unwrap();
+        assert_eq!(plastic.1, expected);
+    }
+}
+
+#[test]
 fn springs_may_hold_what_they_like_but_not_keep_it() {
     let model = testing::model(&["bar"]);
     let springs = |work: f64, held: f64| Ledger {
