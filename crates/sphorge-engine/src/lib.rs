@@ -32,7 +32,7 @@ pub use cpu::{
 };
 pub use drive::Drive;
 pub use engine::{Engine, EngineKind, InPieces, Part, PartKind, SearchReport, TimeStepLimit, Unsupported};
-pub use facet_laws::FacetLaws;
+pub use facet_laws::{COINCIDENCE, FacetLaws};
 pub use failure::RunFailure;
 pub use heat_clock::HeatClock;
 pub use model::Model;

@@ -4,7 +4,7 @@ use super::Oracle;
 use super::pairs::{Image, minus, plus};
 use sphorge_engine::geometry::{ReferenceFacets, facet_thickness};
 use sphorge_engine::model::{BodyContact, Model};
-use sphorge_engine::{FacetLaws, Particles};
+use sphorge_engine::{COINCIDENCE, FacetLaws, Particles};
 use sphorge_physics::conduction::friction_share;
 use sphorge_physics::facet::{
     Facet, FacetMaterial, FacetPairLaw, FacetPress, FacetSlip, FacetStrength, FrictionShare, Partner, ReferenceFacet,
@@ -83,7 +83,7 @@ impl Facets {
                 tangential_stiffness: law.tangential_stiffness / missing,
                 friction,
                 gives_way: chosen.of(i, j).gives_way,
-                coincidence: 0.0,
+                coincidence: COINCIDENCE,
             }
         };
         let bodies = || 0..model.bodies.len();

@@ -85,7 +85,7 @@ impl Oracle {
             friction,
             tangential_stiffness: law.tangential_stiffness / missing,
             gives_way: 0.0,
-            coincidence: 0.0,
+            coincidence: sphorge_engine::COINCIDENCE,
         };
         (law_there, law.sliding_damping(&of) / missing)
     }

@@ -9,7 +9,7 @@ use super::faces::WholeDeformation;
 use super::facets::{MARGIN, MOBILITY};
 use super::walls::WallState;
 use crate::WallLedger;
-use crate::facet_laws::coincidence;
+use crate::facet_laws::COINCIDENCE;
 use crate::geometry::{CellFacet, ReferenceFacets, facet_thickness};
 use crate::model::{Body, Model, Wall, WallContact, WallSurface};
 use crate::particles::Particles;
@@ -172,7 +172,7 @@ impl FacetsOnWalls {
                     stiffness: law.stiffness / missing,
                     damping: law.damping / missing,
                     tangential_stiffness: law.tangential_stiffness / missing,
-                    coincidence: coincidence(model.numerics.precision),
+                    coincidence: COINCIDENCE,
                     ..law
                 };
                 Some((law, sliding_damping))
