@@ -53,8 +53,8 @@ pub struct FacetPairLaw<T> {
     /// Closure over `D` from which on it falls again, so that nothing is left where owners pass each other; zero where it never does, as at rigid planes
     /// ([`Self::giving_way`]).
     pub gives_way: T,
-    /// Distance over the size of a facet within which edges coincide, if that is more than [`COINCIDENT`]: where places are rounded more than by the numbers
-    /// that the law is computed in.
+    /// Distance over the size of a facet within which edges coincide, where places are rounded more than by the numbers that the law is computed in; never less
+    /// than `2^-26` and 64 roundings of these numbers.
     pub coincidence: T,
 }
 
@@ -102,8 +102,8 @@ impl FacetPairLaw<f64> {
     }
 
     /// Of bodies that may break, or meet ones that do: their cells come to lie beside and behind each other, where a pair would begin to press with all of `D`
-    /// closed as soon as its owners are in order. Between that and half of `D` pairs give way instead, from nothing on; or between that and more of `D`, where an impact asks for it, and not at all
-    /// where that would be more than [`STIFFEST`]. `closed` is `k D` of the bodies at rest, Pa.
+    /// closed as soon as its owners are in order. Between that and half of `D` pairs give way instead, from nothing on; or between that and more of `D`, where an
+    /// impact asks for it, and not at all where that would be more than 0.8 `D`. `closed` is `k D` of the bodies at rest, Pa.
     ///
     /// Of `phi = x^2/(2 u)` and `phi' = (1 - u^2)/(2 u^2)` with `u = 1 - x` (33b).
     pub fn giving_way(self, impact: FacetImpact, closed: f64) -> Self {
