@@ -32,6 +32,7 @@ fn case(kind: WarningKind) -> Option<Case> {
             of("hourglass-work", "lower `search.total-lagrangian.hourglass`", (key, "0.5"))
         }
         WarningKind::Integration => of("integration", "lower `time.courant`", ("time.courant", "0.3")),
+        WarningKind::ContactEnergy => of("contact-energy", "use `search = \"total-lagrangian\"`", TOTAL_LAGRANGIAN),
         WarningKind::Cold => of("time-step", "lower `time.courant`", ("time.courant", "0.3")),
         WarningKind::Hot => of("integration", "lower `time.courant`", ("time.courant", "0.3")),
         WarningKind::MissingHeat => {

@@ -13,6 +13,7 @@ pub(crate) fn limits(raw: &RawWarnings, problems: &mut Problems) -> Option<Warni
         (WarningKind::NegativeEnergy, &raw.negative_energy),
         (WarningKind::HourglassWork, &raw.hourglass_work),
         (WarningKind::Integration, &raw.integration),
+        (WarningKind::ContactEnergy, &raw.contact_energy),
         (WarningKind::Hot, &raw.hot),
         (WarningKind::MissingHeat, &raw.missing_heat),
         (WarningKind::WallEnergy, &raw.wall_energy),

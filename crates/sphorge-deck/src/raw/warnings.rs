@@ -17,6 +17,8 @@ tables! {
         hourglass_work: Option<Given<Number>>, example 0.2, default 0.1;
         /// Largest energy that the integration in time has lost or made, over the energy that has passed between motion and matter.
         integration: Option<Given<Number>>, example 0.2, default 0.1;
+        /// Largest energy that contacts between bodies have given beyond what they took and held at the start, over the energy supplied.
+        contact_energy: Option<Given<Number>>, example 0.05, default 0.01;
         /// Lowest temperature.
         cold: Option<Given<Temperature>>, example "200 K", default "0 K";
         /// Largest temperature over the highest that the internal energy of the particle allows.

@@ -14,7 +14,7 @@ use super::ghosts::{Ghosts, WithGhosts};
 use super::self_contact::Surfaces;
 use crate::halo::{Halo, Image};
 use crate::lanes::PairScalar;
-use crate::model::{Material, Model};
+use crate::model::Model;
 use crate::neighbors::{BLOCK, ForeignBlock, ForeignList, NeighborList};
 use crate::particles::Particles;
 use crate::persist::{Archive, ArchiveError, persist_each};
@@ -42,7 +42,7 @@ pub(super) struct BodyContacts {
     works: Vec<Works>,
     /// Forces and heat of particles that have neighbours in contact, block by block.
     pushes: Vec<Vec<(usize, Push)>>,
-    /// Whether a body that breaks has come apart in this step.
+    /// Whether a body that met others at facets has come apart in this step.
     has_released: bool,
 }
 
@@ -266,14 +266,14 @@ impl BodyContacts {
     /// Converts the energy held by the contact of a body with itself to heat of the particles it presses. From now on
     /// its surfaces meet in the sums of the body.
     ///
-    /// A body that `breaks` keeps what it overlaps others by, as its cells may be pressed flat or lie beside theirs, and what its contact with them holds
-    /// becomes heat, too: an overlap of that much would drive them apart with far more.
+    /// It keeps what it overlaps others by, as its cells may be pressed flat or lie beside theirs, and what its contact with them holds becomes heat, too: an
+    /// overlap of that much would drive them apart with far more than facets held.
     ///
     /// # Errors
     /// A rank is lost.
     pub(super) fn release(
         &mut self,
-        (body, breaks): (usize, bool),
+        body: usize,
         particles: &mut Particles,
         share: Option<&Share>,
     ) -> Result<(), RunFailure> {
@@ -287,11 +287,7 @@ impl BodyContacts {
         };
         works.damped += held;
         if self.facets.is_some() {
-            if breaks {
-                held += self.let_go(body);
-            } else {
-                self.hand_over(body);
-            }
+            held += self.let_go(body);
         }
         let Particles { energy, mass, body: bodies, contact_overlap, reference_normal, .. } = particles;
         let is_met = |i: usize| {
@@ -319,16 +315,6 @@ impl BodyContacts {
             energy[i] += heat(i);
         }
         Ok(())
-    }
-
-    /// From now on a body that has come apart meets the others by overlap, which stores what their facets held.
-    fn hand_over(&mut self, body: usize) {
-        for other in (0..self.table.smoothing_length.len()).filter(|other| *other != body) {
-            let place = self.table.place(body, other);
-            let (works, held) = (&mut self.works[place], std::mem::take(&mut self.now[place].energy));
-            works.overlapped += held;
-            works.stored -= held;
-        }
     }
 
     /// From now on a body that has come apart meets the others by what it overlaps them more than now; returns what their facets held, J.
@@ -514,7 +500,7 @@ impl<T: PairScalar> CpuEngine<T> {
                 }
             });
         let mut kept = std::mem::take(&mut self.particles.kept_overlap);
-        if !kept.is_empty() && self.model.materials.iter().any(Material::breaks) {
+        if !kept.is_empty() && facets.is_some() {
             for (i, _) in contacts.foreign.blocks().iter().flat_map(|block| block.rows()) {
                 let whole = overlaps[i];
                 if let Some(before) = &before {

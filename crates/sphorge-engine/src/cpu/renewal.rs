@@ -69,7 +69,7 @@ impl<T: PairScalar> CpuEngine<T> {
         }
         for (body, (apart, due)) in has_come_apart.iter_mut().zip(&is_due).enumerate() {
             if let (Some(contacts), false, true) = (&mut self.contacts, *apart, due) {
-                contacts.release((body, materials[body].breaks()), p, self.domain.as_deref())?;
+                contacts.release(body, p, self.domain.as_deref())?;
             }
             *apart |= due;
         }

@@ -11,6 +11,8 @@ pub enum WarningKind {
     HourglassWork,
     /// Energy that the integration in time has lost or made.
     Integration,
+    /// Energy that contacts of bodies have given without having held it.
+    ContactEnergy,
     /// A particle colder than absolute zero.
     Cold,
     /// A particle hotter than its energy allows.
@@ -70,11 +72,12 @@ const fn below(name: &'static str, limit: f64, meaning: &'static str) -> Warning
 
 impl WarningKind {
     /// Every check.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::PlasticWork,
         Self::NegativeEnergy,
         Self::HourglassWork,
         Self::Integration,
+        Self::ContactEnergy,
         Self::Cold,
         Self::Hot,
         Self::MissingHeat,
@@ -111,6 +114,11 @@ impl WarningKind {
                 "integration",
                 0.1,
                 "energy that the integration in time has lost or made, over the energy that has passed between motion and matter",
+            ),
+            Self::ContactEnergy => above(
+                "contact-energy",
+                0.01,
+                "energy that contacts between bodies have given beyond what they took and held at the start, over the energy supplied",
             ),
             Self::Cold => WarningInfo { unit: "K", ..below("cold", 0.0, "temperature") },
             Self::Hot => above("hot", 2.0, "temperature over the highest that the particle's energy allows"),

@@ -268,6 +268,10 @@ impl Watch {
         let lost = ledger.integration_energy.abs();
         self.hold(WarningKind::Integration, share(lost, passed), Place::default(), clock);
 
+        // What they hold is never less than nothing.
+        let given = 0.0 - ledger.contacts.iter().map(|contact| contact.stored_energy).sum::<f64>();
+        self.hold(WarningKind::ContactEnergy, share(given.max(0.0), in_play), Place::default(), clock);
+
         let at_rest: Vec<f64> =
             (0..ledger.bodies.len()).map(|body| ledger.bodies[body].mass * energy_at_start(model, body)).collect();
         let gained = ledger.total.energies.internal - at_rest.iter().sum::<f64>();

@@ -24,8 +24,15 @@ const LAST: f64 = 0.1;
 const STEADY: f64 = 0.05;
 
 /// Warnings of runs whose energy or momentum is not that of what flew: where it went to or came from, nothing tells what it would have done.
-const DOUBTS: [&str; 6] =
-    ["plastic-work", "negative-energy", "hourglass-work", "integration", "energy-drift", "momentum-drift"];
+const DOUBTS: [&str; 7] = [
+    "plastic-work",
+    "negative-energy",
+    "hourglass-work",
+    "integration",
+    "contact-energy",
+    "energy-drift",
+    "momentum-drift",
+];
 
 /// What flies: bodies of a deck with one velocity along an axis, and the measure of what is left of it.
 #[derive(Clone, Debug, PartialEq)]
