@@ -5,7 +5,7 @@ use super::interpret::{Interpreted, interpret};
 use super::raw::RawDeck;
 use super::report::DeckReport;
 use super::slips::{slips, slips_unless_driven};
-use super::{advice, closeness, driven, heat, keys, overrides, placement, quarters};
+use super::{advice, closeness, driven, heat, keys, linear_law, overrides, placement, quarters};
 use sphorge_engine::{
     Particles,
     geometry::{self, FilledMass},
@@ -202,6 +202,7 @@ pub(super) fn read(
             notes.extend(placement::notes(&model, &particles, &masses));
             notes.extend(slips(&model, &particles));
             notes.extend(advice::doubts(&model, &particles));
+            notes.extend(linear_law::notes(&model));
             notes.extend(heat::notes(&model, &particles, &without_conductivity));
             notes.extend(closeness::notes(&model, &particles));
             notes.extend(quarters::notes(&model, &particles));

@@ -234,9 +234,18 @@ pub(crate) fn fault(error: FillError, model: &Model, places: &SourceSpans) -> Fa
             } else {
                 format!("its particles come within {} of the plane", millimetres(distance))
             };
+            let of = &model.symmetry[plane];
+            let (low, high) = model.bodies[body].shape.bounds(model.dimensions);
+            // How far it reaches to the side that the plane keeps.
+            let farthest = if of.side > 0.0 { high[of.axis] - of.position } else { of.position - low[of.axis] };
+            let other = if of.side > 0.0 { "negative" } else { "positive" };
+            let help = match farthest <= 0.0 {
+                true => format!("the whole body is behind the plane: set `side = \"{other}\"`, or move the body or the plane (`at`)"),
+                false => "end the body at the plane, with particles at cell centres (an `intersection` with a box removes the rest); check `side`".to_owned(),
+            };
             Fault::new("across-symmetry", message, places.symmetry[plane].clone(), "this plane")
                 .also(places.bodies[body].clone(), label)
-                .help("end the body at the plane, with particles at cell centres (an `intersection` with a box removes the rest); check `side`")
+                .help(help)
         }
         FillError::OutsideCell { axis, body } => {
             let message = format!("body `{}` reaches out of the periodic cell along {}", name(body), axis_name(axis));

@@ -1,11 +1,11 @@
 //! Numbers that no engineer means: a wrong unit, a wrong sign, a load that is not there. Said by `sphorge check` and `sphorge run`.
 
+use super::coefficients::coefficients;
 use super::reach::ways;
 use sphorge_engine::Particles;
 use sphorge_engine::geometry::pressed_at_start;
 use sphorge_engine::model::{
-    Body, CloudParticle, CloudShare, Material, Measure, MeasureKind, Model, MotionAxis, Solid, TimeTable, WallContact,
-    WallSurface,
+    Body, CloudParticle, CloudShare, Material, Measure, MeasureKind, Model, MotionAxis, Solid, TimeTable, WallSurface,
 };
 use sphorge_physics::flow::FlowState;
 
@@ -27,7 +27,7 @@ pub(crate) fn slips(model: &Model, particles: &Particles) -> Vec<String> {
     let bodies = model.bodies.iter().enumerate();
     materials
         .chain(too_long(model))
-        .chain(too_rough(model))
+        .chain(coefficients(model))
         .chain(bodies.filter_map(|(b, body)| of_list(model, particles, b, body)))
         .chain(empty_sections(model, particles))
         .collect()
@@ -283,25 +283,6 @@ fn falls_away(model: &Model, courses: &[Course]) -> Option<String> {
     })
 }
 
-/// Coulomb coefficient above which none of metals is.
-const ROUGHEST: f64 = 2.0;
-
-/// Friction in per cent or in degrees.
-fn too_rough(model: &Model) -> Vec<String> {
-    let of_walls = model.walls.iter().filter_map(|wall| match wall.contact {
-        WallContact::Penalty { friction, .. } => Some((format!("of wall `{}`", wall.name), friction)),
-        WallContact::MonaghanKos { .. } => None,
-    });
-    let of_bodies = model.contact.strength().map(|strength| ("between bodies".to_owned(), strength.friction));
-    let rough = of_bodies.into_iter().chain(of_walls).filter(|(_, friction)| *friction > ROUGHEST);
-    let note = |(whose, friction): (String, f64)| {
-        format!(
-            "the friction coefficient {whose} is {friction}: metals have 0.05 to 1; it is a ratio of forces, neither a percentage nor an angle"
-        )
-    };
-    rough.map(note).collect()
-}
-
 /// A list of particles whose volumes or distances are not those of the spacing.
 fn of_list(model: &Model, particles: &Particles, b: usize, body: &Body) -> Option<String> {
     let Solid::Cloud { particles: listed, .. } = &body.shape.solid else { return None };
@@ -493,20 +474,6 @@ mod tests {
             "[[wall]]\nname = \"lid\"\nplane = { point = [0, \"20 mm\"], normal = [0, -1] }\n[[section]]",
         );
         assert_eq!(notes(&[rests, lid, ("[material.m]", &falls("9.81"))]), [""; 0]);
-    }
-
-    #[test]
-    fn friction_that_is_a_percentage_is_told() {
-        let wall = |friction: &str| {
-            format!("normal = [0, 1] }}\ncontact = {{ penalty = {{ friction = {friction} }} }}\n[[section]]")
-        };
-        let deck = |friction: &str| notes(&[("normal = [0, 1] }\n[[section]]", &wall(friction))]);
-        assert!(deck("20")[0].contains("friction coefficient of wall `anvil` is 20"), "{:?}", deck("20"));
-        assert_eq!(deck("1.2"), [""; 0]);
-        told(
-            &[("[material.m]", "contact = { penalty = { friction = 30 } }\n[material.m]")],
-            &["friction coefficient between bodies is 30"],
-        );
     }
 
     #[test]

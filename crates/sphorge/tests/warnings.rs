@@ -117,16 +117,20 @@ fn every_warning_has_a_deck_that_raises_it_and_a_remedy_that_cures_it() {
 }
 
 /// A change of `sound.toml` that no engineer means, and a part of the note on it.
-const SLIPS: [(&str, &str, &str); 16] = [
+const SLIPS: [(&str, &str, &str); 20] = [
     ("material.steel.density", "7.85e-9", "in SI"),
     ("material.steel.density", "7.85", "7.85 g/cm^3"),
     ("material.steel.young-modulus", "210 MPa", "210 GPa"),
     ("material.steel.strength.perfectly-plastic.yield-stress", "350", "as no metal does"),
+    ("material.steel.strength.perfectly-plastic.yield-stress", "350 GPa", "times its shear modulus"),
+    ("material.steel.conductivity", "45 kW/(m K)", "that of no matter"),
+    ("numerics.viscosity.alpha", "1e9", "values in use are"),
     ("time.end", "20", "the run takes some"),
     ("time.end", "10 us", "meets wall `anvil` after 50 us at the earliest"),
     ("body.bar.velocity", "[0, 0]", "nothing moves"),
     ("body.bar.velocity", "[0, 100]", "flies away from wall `anvil`"),
     ("body.bar.velocity", "[100, 0]", "meets nothing"),
+    ("body.bar.velocity", "[0, -1000]", "does not stiffen in shocks"),
     ("body.bar.velocity", "[0, -300000]", "times its speed of sound"),
     ("body.bar.temperature", "20000 K", "far above the boiling point"),
     ("body.bar.temperature", "20", "20 degC"),

@@ -62,9 +62,16 @@ fn details(material: &MaterialListing) -> String {
         [("pressure", &material.equation_of_state), ("strength", &material.strength), ("damage", &material.damage)];
     for (what, law) in laws {
         if let Some(law) = law {
+            // Strength and pressure act by themselves.
+            let acts = match what {
+                "damage" => {
+                    format!("; acts where a material of the deck with this `base` has `damage = \"{}\"`", law.key)
+                }
+                _ => String::new(),
+            };
             let _ = write!(
                 text,
-                "\n{what}: {}, {} ({})\n\n{}",
+                "\n{what}: {}, {} ({}){acts}\n\n{}",
                 law.key,
                 law.name,
                 law.reference,

@@ -337,9 +337,9 @@ fn report(name: &str, incomplete: Incomplete, word: &Word, own: Option<&Own>, pr
         (fault, base)
     };
     match incomplete {
-        Incomplete::Inconsistent(message) => {
-            let (fault, _) = place("inconsistent", format!("material `{name}`: {message}"));
-            problems.push(fault);
+        Incomplete::Inconsistent(of) => {
+            let (fault, _) = place("inconsistent", format!("material `{name}`: {}", of.message));
+            problems.push(fault.help(of.help));
         }
         Incomplete::Missing(missing) => {
             for constant in missing {

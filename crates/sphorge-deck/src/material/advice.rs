@@ -53,9 +53,7 @@ fn slip_of_unit(constants: &Constants, material: &Material) -> Option<String> {
         Some(young) => ("Young's modulus", young),
         None => ("shear modulus", shear),
     };
-    let history: Vec<f64> = material.flow_law.history().iter().map(|variable| variable.initial).collect();
-    let yields = material.flow_law.yield_stress(FlowState::at_rest(material.reference_temperature), &history).value;
-    let bears_too_much = material.flow_law.yields() && yields.is_finite() && yields > IDEAL_STRENGTH * shear;
+    let bears_too_much = flow_stress(material).is_some_and(|yields| yields > IDEAL_STRENGTH * shear);
     let is_soft = density >= HEAVY && 2.6 * shear < SOFT;
     let is_odd_ratio = poisson_ratio(constants, material).is_some();
     let stated = constants.elastic.completed().and_then(|elastic| elastic.poisson);
@@ -72,6 +70,13 @@ fn slip_of_unit(constants: &Constants, material: &Material) -> Option<String> {
     Some(format!(
         "material `{name}`: a {given} of {modulus:.3e} Pa is that of no metal with a density of {density} kg/m^3: is \"{giga} GPa\" meant?"
     ))
+}
+
+/// Stress at which a material yields as it starts, Pa, if it does.
+fn flow_stress(material: &Material) -> Option<f64> {
+    let history: Vec<f64> = material.flow_law.history().iter().map(|variable| variable.initial).collect();
+    let yields = material.flow_law.yield_stress(FlowState::at_rest(material.reference_temperature), &history).value;
+    (material.flow_law.yields() && yields.is_finite()).then_some(yields)
 }
 
 /// Largest triaxiality that is looked at: notches and the front of cracks have less.
@@ -124,8 +129,9 @@ fn beyond_matter(constants: &Constants, material: &Material, has_slip: bool) -> 
         ("density", material.density, (1.0, 3e5), "kg/m^3"),
         ("shear modulus", material.shear_modulus, (1.0, 1e13), "Pa"),
         ("speed of sound", sound_speed, (15.0, 3e4), "m/s"),
-        ("specific heat", heat, (10.0, 1e5), "J/(kg K)"),
-        ("conductivity", material.conductivity, (1e-4, 1e5), "W/(m K)"),
+        ("specific heat", heat, (10.0, 2e4), "J/(kg K)"),
+        // Air has 0.026, diamond 3000.
+        ("conductivity", material.conductivity, (1e-3, 1e4), "W/(m K)"),
         ("reference temperature", material.reference_temperature, (0.0, 1e5), "K"),
     ];
     let odd = values.into_iter().filter(|(_, value, range, _)| !given(*value, *range));
@@ -143,6 +149,14 @@ fn beyond_matter(constants: &Constants, material: &Material, has_slip: bool) -> 
             )
         })
         .collect();
+    let is_odd_modulus = has_slip || !given(material.shear_modulus, (1.0, 1e13));
+    if let Some(yields) = flow_stress(material).filter(|yields| !is_odd_modulus && *yields > material.shear_modulus) {
+        told.push(format!(
+            "material `{}` yields at {yields:.3e} Pa, {:.1} times its shear modulus, where no lattice of atoms bears more than {IDEAL_STRENGTH}: check the unit",
+            material.name,
+            yields / material.shear_modulus
+        ));
+    }
     let stated = constants.elastic.completed().and_then(|elastic| elastic.poisson);
     if let Some(nu) = stated.filter(|nu| *nu < 0.0) {
         told.push(format!(
@@ -264,6 +278,23 @@ mod tests {
                 assert_eq!(beyond_matter(constants, &material, false), Vec::<String>::new(), "{name}");
                 assert_eq!(slip_of_unit(constants, &material), None, "{name}");
             }
+        }
+    }
+
+    #[test]
+    fn a_yield_stress_that_no_lattice_bears_is_told() {
+        let of = |stress: &str| {
+            let strength = format!("{{ perfectly-plastic = {{ yield-stress = \"{stress}\" }} }}");
+            notes_of("\"7850 kg/m^3\"", "\"210 GPa\"", "\"linear\"", &strength)
+        };
+        let told = of("500 GPa");
+        assert!(told.len() == 1 && told[0].contains("yields at 5.000e11 Pa, 6.3 times its shear modulus"), "{told:?}");
+        assert_eq!(of("5 GPa"), [""; 0]);
+        // Conductivity in W/(mm K) with the unit of SI.
+        let copper = entry("ofhc-copper").unwrap().clone();
+        for (conductivity, is_told) in [(45e3, true), (3000.0, false), (0.02, false), (1e-4, true)] {
+            let told = advice_of(&Constants { conductivity: Some(conductivity), ..copper.clone() });
+            assert_eq!(told.len(), usize::from(is_told), "{conductivity}: {told:?}");
         }
     }
 

@@ -31,7 +31,33 @@ pub(crate) enum Incomplete {
     /// These are not given.
     Missing(Vec<Missing>),
     /// These do not fit together.
-    Inconsistent(String),
+    Inconsistent(Inconsistent),
+}
+
+/// What does not fit together, and what to do.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Inconsistent {
+    pub(crate) message: String,
+    pub(crate) help: String,
+}
+
+impl Inconsistent {
+    fn of(message: impl Into<String>, help: impl Into<String>) -> Incomplete {
+        Incomplete::Inconsistent(Self { message: message.into(), help: help.into() })
+    }
+
+    /// What a law says against its constants. Its own message names keys alone; which of them is wrong their values tell.
+    fn of_law<L>(entry: &LawEntry<L>, message: &str, values: &[f64]) -> Incomplete {
+        let told = entry.parameters.iter().zip(values).map(|(parameter, value)| {
+            let unit = parameter.quantity.si_unit();
+            let is_short = *value == 0.0 || (1e-3..1e5).contains(&value.abs());
+            let value = if is_short { format!("{value} {unit}") } else { format!("{value:e} {unit}") };
+            format!("`{}` is {}", parameter.key, value.trim_end())
+        });
+        let told: Vec<String> = told.collect();
+        let help = format!("{}; check the units: a number without one is in SI", told.join(", "));
+        Self::of(format!("{}: {message}", entry.key), help)
+    }
 }
 
 fn missing_key(key: &'static str, meaning: &str, law: Option<&'static str>) -> Missing {
@@ -66,9 +92,11 @@ fn values<L>(
 /// Makes a material; `name` is the name it goes by.
 pub(crate) fn build(name: &str, constants: &Constants) -> Result<Material, Incomplete> {
     let mut missing = Vec::new();
-    let inconsistent = |message: String| Err(Incomplete::Inconsistent(message));
     if constants.elastic.count() > 2 {
-        return inconsistent("more than two elastic constants are given, and two define the others".to_owned());
+        return Err(Inconsistent::of(
+            "more than two elastic constants are given, and two define the others",
+            "keep two of `young-modulus`, `shear-modulus`, `bulk-modulus` and `poisson-ratio`; those of a `base` count, too",
+        ));
     }
     let density = constants.density;
     if density.is_none() {
@@ -77,8 +105,9 @@ pub(crate) fn build(name: &str, constants: &Constants) -> Result<Material, Incom
     let reference_temperature = constants.reference_temperature.unwrap_or(defaults::REFERENCE_TEMPERATURE);
     let elastic = constants.elastic.completed();
     if let Some(ElasticConstants { poisson: Some(nu), .. }) = elastic.filter(|e| !is_physical(e)) {
-        return inconsistent(format!(
-            "the elastic constants give Poisson's ratio {nu:.4}; it must be above -1 and below 0.5"
+        return Err(Inconsistent::of(
+            format!("the elastic constants give Poisson's ratio {nu:.4}; it must be above -1 and below 0.5"),
+            "check their units: a number without one is in Pa; Young's modulus of a metal is about 2.6 times its shear modulus",
         ));
     }
 
@@ -102,8 +131,8 @@ pub(crate) fn build(name: &str, constants: &Constants) -> Result<Material, Incom
         values(state_entry, "equation-of-state", state, &known, &mut missing)
     };
     let state_values = state_values.filter(|_| density.is_some());
-    if let Some(message) = state_values.as_ref().and_then(|v| (state_entry.check)(v)) {
-        return inconsistent(format!("{}: {message}", state_entry.key));
+    if let Some((values, message)) = state_values.as_ref().and_then(|v| Some((v, (state_entry.check)(v)?))) {
+        return Err(Inconsistent::of_law(state_entry, message, values));
     }
     let equation_of_state = state_values.map(|v| (state_entry.build)(&v));
 
@@ -120,8 +149,8 @@ pub(crate) fn build(name: &str, constants: &Constants) -> Result<Material, Incom
         _ => None,
     };
     let flow_values = values(flow_entry, "strength", strength, &derived, &mut missing);
-    if let Some(message) = flow_values.as_ref().and_then(|v| (flow_entry.check)(v)) {
-        return inconsistent(format!("{}: {message}", flow_entry.key));
+    if let Some((values, message)) = flow_values.as_ref().and_then(|v| Some((v, (flow_entry.check)(v)?))) {
+        return Err(Inconsistent::of_law(flow_entry, message, values));
     }
     let flow_law = flow_values.map(|v| (flow_entry.build)(&v));
     let of_flow = (
@@ -132,7 +161,10 @@ pub(crate) fn build(name: &str, constants: &Constants) -> Result<Material, Incom
     let damage = damage(constants, of_flow, &mut missing)?;
     if damage.is_some() && flow_law.is_some_and(|law| !law.has_shear() || law.is_hyperelastic()) {
         let message = format!("`damage` needs a flow law of metals, and `strength` is \"{}\"", flow_entry.key);
-        return inconsistent(message);
+        return Err(Inconsistent::of(
+            message,
+            "choose a `strength` that yields, or \"elastic\", or leave `damage` out",
+        ));
     }
     let has_shear = flow_law.as_ref().is_none_or(|law| law.has_shear());
     let shear_modulus = if has_shear { elastic.and_then(|e| e.shear).or(constants.elastic.shear) } else { Some(0.0) };
@@ -170,18 +202,29 @@ fn damage(
     (reference_temperature, rate, melting): (f64, Option<f64>, Option<f64>),
     missing: &mut Vec<Missing>,
 ) -> Result<Option<Damage<f64>>, Incomplete> {
-    let inconsistent = |message: &str| Err(Incomplete::Inconsistent(message.to_owned()));
     if constants.softening.count() > 1 {
-        return inconsistent("give one of `fracture-energy`, `softening-displacement` and `softening`");
+        return Err(Inconsistent::of(
+            "more than one of `fracture-energy`, `softening-displacement` and `softening` is given, and each says how it softens",
+            "keep one of them; those of a `base` count, too",
+        ));
     }
     let Some(law) = constants.damage.as_ref().filter(|_| constants.breaks) else {
         let is_asked = constants.softening.count() > 0
             || constants.minimum_failure_strain.is_some()
             || constants.after_failure.is_some();
         if is_asked && !constants.breaks {
-            return inconsistent(
+            return Err(Inconsistent::of(
                 "`fracture-energy`, `softening-displacement`, `softening`, `minimum-failure-strain` and `after-failure` need a law of `damage`",
-            );
+                match &constants.damage {
+                    Some(law) => format!(
+                        "its published constants of `{0}` act with `damage = \"{0}\"`",
+                        DAMAGE_LAWS[law.law].key
+                    ),
+                    None => {
+                        "add one, as in `damage = { failure-strain = { strain = 0.5 } }`, or leave them out".to_owned()
+                    }
+                },
+            ));
         }
         return Ok(None);
     };
@@ -195,8 +238,8 @@ fn damage(
         _ => None,
     };
     let values = values(entry, "damage", law, &derived, missing);
-    if let Some(message) = values.as_ref().and_then(|v| (entry.check)(v)) {
-        return Err(Incomplete::Inconsistent(format!("{}: {message}", entry.key)));
+    if let Some((values, message)) = values.as_ref().and_then(|v| Some((v, (entry.check)(v)?))) {
+        return Err(Inconsistent::of_law(entry, message, values));
     }
     let softening = constants.softening;
     let softening = match (softening.energy, softening.displacement) {

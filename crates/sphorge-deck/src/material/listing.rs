@@ -116,7 +116,7 @@ pub(super) fn listing(name: &str, constants: &Constants) -> MaterialListing {
     let doubts = built.as_ref().map(|material| advice(constants, material)).unwrap_or_default();
     let missing = match built {
         Ok(_) => Vec::new(),
-        Err(Incomplete::Inconsistent(message)) => vec![message],
+        Err(Incomplete::Inconsistent(of)) => vec![of.message],
         Err(Incomplete::Missing(missing)) => missing
             .into_iter()
             .map(|m| {

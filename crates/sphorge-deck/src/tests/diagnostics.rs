@@ -292,7 +292,13 @@ fn walls_symmetry_planes_and_cells_leave_room_for_the_bodies() {
         "the normal points",
     );
     let plane = "[[symmetry]]\naxis = \"x\"\n[[wall]]";
-    told("[[wall]]", plane, "across-symmetry", "\"x\"", "body `bar` reaches across", "");
+    told("[[wall]]", plane, "across-symmetry", "\"x\"", "body `bar` reaches across", "end the body at the plane");
+    let behind = |more: &str| format!("[[symmetry]]\naxis = \"x\"\n{more}\n[[wall]]");
+    let whole = "the whole body is behind the plane: set `side = \"negative\"`";
+    told("[[wall]]", &behind("at = \"4 mm\""), "across-symmetry", "\"x\"", "body `bar` reaches across", whole);
+    let whole = "set `side = \"positive\"`";
+    let sides = behind("at = \"-4 mm\"\nside = \"negative\"");
+    told("[[wall]]", &sides, "across-symmetry", "\"x\"", "body `bar` reaches across", whole);
     let cell = "[periodic]\nx = [\"-3 mm\", \"3 mm\"]\n[[wall]]";
     let report = refused(&changed("[[wall]]", cell));
     assert_eq!(report.problems()[0].code(), "outside-cell", "{report}");
