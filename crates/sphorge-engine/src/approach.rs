@@ -40,8 +40,7 @@ pub(crate) fn limit(model: &Model, particles: &Particles) -> f64 {
     (LARGEST * spacing / fastest).min(of_meeting)
 }
 
-/// How fast anything in a model can approach anything else, m/s: bodies at the start, what is held in motion and walls at any time. Velocities of single particles
-/// of a file are not looked at.
+/// How fast anything in a model can approach anything else, m/s: bodies at the start, what is held in motion and walls at any time.
 pub(crate) fn fastest(model: &Model) -> f64 {
     let ends: Vec<[f64; 3]> = model.bodies.iter().flat_map(|body| body.velocity_bounds(model.dimensions)).collect();
     let tables = |a: usize| {

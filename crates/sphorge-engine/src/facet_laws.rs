@@ -2,7 +2,7 @@
 
 use crate::approach::fastest;
 use crate::geometry::facet_thickness;
-use crate::model::{Body, Model};
+use crate::model::{Body, Model, MotionAxis, TimeTable};
 use sphorge_physics::contact::ContactStrength;
 use sphorge_physics::facet::{FacetImpact, FacetMaterial, FacetPairLaw, FacetStrength};
 
@@ -23,6 +23,7 @@ impl FacetLaws {
         let strength = FacetStrength { stiffness, damping, friction };
         let mut examples: Vec<(FacetMaterial, bool)> = Vec::new();
         let impact = impact(model);
+        let holds_at_rest = stiffness >= FIRM && !is_squeezed(model);
         let kind = |body: &Body| {
             let material = &model.materials[body.material];
             let speed = material.equation_of_state.reference_sound_speed();
@@ -43,7 +44,8 @@ impl FacetLaws {
         let law = |(a, a_breaks): &(FacetMaterial, bool), (b, b_breaks): &(FacetMaterial, bool)| {
             let law = FacetPairLaw::new(a, b, strength);
             let closed = law.stiffness * (a.half_depth + b.half_depth);
-            let law = if *a_breaks || *b_breaks { law.giving_way(impact, closed) } else { law };
+            let may_give_way = holds_at_rest || *a_breaks || *b_breaks;
+            let law = if may_give_way { law.giving_way(impact, closed) } else { law };
             FacetPairLaw {
                 stiffness: law.stiffness / thickness,
                 damping: law.damping / thickness,
@@ -57,6 +59,11 @@ impl FacetLaws {
         Self { kinds, count, laws, has_friction: friction > 0.0 }
     }
 
+    /// Whether there are pairs that give way where their owners come to lie beside each other.
+    pub fn some_give_way(&self) -> bool {
+        self.laws.iter().any(|law| law.gives_way > 0.0)
+    }
+
     /// Of the facets of two bodies, in either order.
     pub fn of(&self, a: usize, b: usize) -> &FacetPairLaw<f64> {
         &self.laws[self.kinds[a] * self.count + self.kinds[b]]
@@ -67,6 +74,35 @@ impl FacetLaws {
 /// default. Where cells are in line, chance would decide whose edges pull, with all of the energy along them: plates at 3 km/s were torn at their contact. In
 /// double precision it is as much, or a shift by 1e-12 m would change the feet of two blocks by 0.8 %.
 pub const COINCIDENCE: f64 = 64.0 * f32::EPSILON as f64;
+
+/// Stiffness from which on pairs give way: at half of their depth they then press with 1.5 bulk moduli, which an impact that slow does not. Softer faces may be
+/// pressed as much at any speed, and would pass into each other.
+const FIRM: f64 = 1.0;
+
+/// Travel of walls and of what is held in motion over the thickness of the thinnest body from which on bodies may be squeezed to such pressures, however slowly.
+const SQUEEZED: f64 = 0.2;
+
+/// Whether bodies may be squeezed between things that are driven.
+fn is_squeezed(model: &Model) -> bool {
+    let held = model.motions.iter().flat_map(|motion| motion.axes.iter().enumerate());
+    let held = held.filter_map(|(axis, way)| match way {
+        MotionAxis::Free => None,
+        MotionAxis::Velocity(table) => Some((axis, table)),
+    });
+    let walls = model.walls.iter().flat_map(|wall| wall.velocity.iter().enumerate());
+    // Ways against each other add up, and so do ways there and back.
+    let mut travel = [0.0; 3];
+    for (axis, table) in held.chain(walls) {
+        let size = TimeTable { points: table.points.iter().map(|(time, v)| (*time, v.abs())).collect() };
+        travel[axis] += size.integral(0.0, model.time.end);
+    }
+    let thickness = |body: &Body| {
+        let (low, high) = body.shape.bounds(model.dimensions);
+        (0..model.dimensions.count()).map(|a| high[a] - low[a]).fold(f64::INFINITY, f64::min)
+    };
+    let thinnest = model.bodies.iter().map(thickness).fold(f64::INFINITY, f64::min);
+    travel.iter().any(|travel| *travel > SQUEEZED * thinnest)
+}
 
 /// What faces bear before they give way, over the pressure behind the shocks of an impact: the first swing, and what two shocks make where they meet.
 const BORNE: f64 = 3.0;

@@ -91,14 +91,26 @@ impl Body {
             let [least, most] = rows(&radial.rows);
             most.max(-least)
         });
+        let listed = self.listed_velocities();
         let (mut least, mut most) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for corner in corners {
             for a in 0..3 {
-                least[a] = least[a].min(corner[a] + profile[0][a] - radial);
-                most[a] = most[a].max(corner[a] + profile[1][a] + radial);
+                least[a] = least[a].min(corner[a] + profile[0][a] + listed[0][a] - radial);
+                most[a] = most[a].max(corner[a] + profile[1][a] + listed[1][a] + radial);
             }
         }
         [least, most]
+    }
+}
+
+impl Body {
+    /// Least and largest velocity by components that particles from a file have beside that of the body, m/s.
+    fn listed_velocities(&self) -> [[f64; 3]; 2] {
+        let Solid::Cloud { particles, .. } = &self.shape.solid else { return [[0.0; 3]; 2] };
+        let turned = particles.iter().map(|particle| self.shape.transform.turn(particle.velocity));
+        turned.fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[least, most], v| {
+            [0, 1].map(|end| [0, 1, 2].map(|a| if end == 0 { least[a].min(v[a]) } else { most[a].max(v[a]) }))
+        })
     }
 }
 

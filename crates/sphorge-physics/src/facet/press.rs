@@ -101,7 +101,7 @@ impl FacetPairLaw<f64> {
         }
     }
 
-    /// Of bodies that may break, or meet ones that do: their cells come to lie beside and behind each other, where a pair would begin to press with all of `D`
+    /// Of cells that may come to lie beside and behind each other, as where bodies break or dig in with a corner: a pair would begin to press with all of `D`
     /// closed as soon as its owners are in order. Between that and half of `D` pairs give way instead, from nothing on; or between that and more of `D`, where an
     /// impact asks for it, and not at all where that would be more than 0.8 `D`. `closed` is `k D` of the bodies at rest, Pa.
     ///

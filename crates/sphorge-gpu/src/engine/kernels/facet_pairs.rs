@@ -10,7 +10,8 @@ use crate::engine::columns::{
     Binder, CompensatedVector, Group, Read, ReadColumns, ReadRecords, Records, VectorColumns, groups,
 };
 use crate::record::{Index, Indices, Recorded, Scope};
-use sphorge_engine::model::{Material, Model};
+use sphorge_engine::FacetLaws;
+use sphorge_engine::model::Model;
 use sphorge_physics::facet::{Facet, FacetPairLaw, FacetPress, Partner, press as press_of_pair};
 use sphorge_physics::tensor::{apply, dot, inverse};
 use sphorge_physics::{Elementary, Numbers, Real, Vector};
@@ -93,7 +94,7 @@ impl Points {
             body: bind.indices(Group::Body),
             laws: groups::FacetLaws::records(bind),
             bodies: model.bodies.len() as u32,
-            some_give_way: model.materials.iter().any(Material::breaks),
+            some_give_way: model.contact.strength().is_some_and(|of| FacetLaws::new(model, of).some_give_way()),
             itself: SelfPairs::of(bind, model, references),
         }
     }
