@@ -42,8 +42,8 @@ pub(super) struct BodyContacts {
     works: Vec<Works>,
     /// Forces and heat of particles that have neighbours in contact, block by block.
     pushes: Vec<Vec<(usize, Push)>>,
-    /// Whether a body that met others at facets has come apart in this step.
-    has_released: bool,
+    /// Which bodies that met others at facets have come apart in this step.
+    released: Vec<bool>,
 }
 
 /// Sums over the pairs of two bodies, the first with the lower index.
@@ -220,7 +220,7 @@ impl BodyContacts {
             now: vec![PairSums::default(); pairs],
             works: vec![Works::default(); pairs],
             pushes: vec![Vec::new(); particles.div_ceil(BLOCK)],
-            has_released: false,
+            released: vec![false; model.bodies.len()],
         })
     }
 
@@ -319,7 +319,7 @@ impl BodyContacts {
 
     /// From now on a body that has come apart meets the others by what it overlaps them more than now; returns what their facets held, J.
     fn let_go(&mut self, body: usize) -> f64 {
-        self.has_released = true;
+        self.released[body] = true;
         let others = (0..self.table.smoothing_length.len()).filter(|other| *other != body);
         let places: Vec<usize> = others.map(|other| self.table.place(body, other)).collect();
         places.into_iter().fold(0.0, |all, place| {
@@ -463,16 +463,32 @@ impl<T: PairScalar> CpuEngine<T> {
         if facets.is_some_and(|facets| !facets.has_rubble()) {
             return;
         }
-        let before = contacts.has_released.then(|| self.particles.contact_overlap.clone());
         let mut overlaps = std::mem::take(&mut self.particles.contact_overlap);
         let mut directions = std::mem::take(&mut self.particles.contact_direction);
         let mut weights = std::mem::take(&mut self.particles.contact_weight);
+        let mut kept = std::mem::take(&mut self.particles.kept_overlap);
         let p = &self.particles;
         let ghosts = &contacts.ghosts(&self.ghosts).columns;
         let places = Places::new(p, ghosts);
         let masses = WithGhosts::new(&p.mass, &ghosts.mass);
         let bodies = WithGhosts::new(&p.body, &ghosts.body);
         let surfaces = Surfaces::new(&p.reference_normal, &p.deformation, ghosts);
+        let sum_of = |i: usize, row: &[u32], meet: &dyn Fn(usize, usize) -> bool| {
+            let a = bodies.at(i) as usize;
+            let volume = masses.at(i) * table.specific_volume[a];
+            let mut sum = Overlap::before_the_first();
+            for &j in row {
+                let j = j as usize;
+                let b = bodies.at(j) as usize;
+                if !meet(a, b) || a == b && !surfaces.press(i, j) {
+                    continue;
+                }
+                let x = places.apart(i, j);
+                let kernel = table.kernel(a, b, dot(x, x).sqrt());
+                sum.add(table.law(a, b), &kernel, x, volume, masses.at(j) * table.specific_volume[b]);
+            }
+            sum
+        };
         (
             contacts.foreign.blocks().par_iter(),
             overlaps.par_chunks_mut(BLOCK),
@@ -482,29 +498,22 @@ impl<T: PairScalar> CpuEngine<T> {
             .into_par_iter()
             .for_each(|(block, overlaps, directions, weights)| {
                 for (i, row) in block.rows() {
-                    let a = bodies.at(i) as usize;
-                    let volume = masses.at(i) * table.specific_volume[a];
-                    let mut sum = Overlap::before_the_first();
-                    for &j in row {
-                        let j = j as usize;
-                        let b = bodies.at(j) as usize;
-                        if !by_overlap(facets, a, b) || a == b && !surfaces.press(i, j) {
-                            continue;
-                        }
-                        let x = places.apart(i, j);
-                        let kernel = table.kernel(a, b, dot(x, x).sqrt());
-                        sum.add(table.law(a, b), &kernel, x, volume, masses.at(j) * table.specific_volume[b]);
-                    }
+                    let sum = sum_of(i, row, &|a, b| by_overlap(facets, a, b));
                     let k = i % BLOCK;
                     (overlaps[k], directions[k], weights[k]) = (sum.overlap, sum.away, sum.weight);
                 }
             });
-        let mut kept = std::mem::take(&mut self.particles.kept_overlap);
         if !kept.is_empty() && facets.is_some() {
-            for (i, _) in contacts.foreign.blocks().iter().flat_map(|block| block.rows()) {
+            // Pairs that met by overlap before this step push on as they did.
+            let has_come_apart = &self.has_come_apart;
+            let was_apart = |body: usize| has_come_apart[body] && !contacts.released[body];
+            let met_before = |a: usize, b: usize| was_apart(a) || was_apart(b);
+            let some_released = contacts.released.contains(&true);
+            for (i, row) in contacts.foreign.blocks().iter().flat_map(|block| block.rows()) {
                 let whole = overlaps[i];
-                if let Some(before) = &before {
-                    kept[i] += (whole - kept[i] - before[i].max(0.0)).max(0.0);
+                if some_released {
+                    let pushes = (sum_of(i, row, &met_before).overlap - kept[i]).max(0.0);
+                    kept[i] = kept[i].max(whole - pushes);
                 }
                 kept[i] = kept[i].min(whole.max(0.0));
                 overlaps[i] = whole - kept[i];
@@ -514,7 +523,7 @@ impl<T: PairScalar> CpuEngine<T> {
         (p.contact_overlap, p.contact_direction, p.contact_weight) = (overlaps, directions, weights);
         p.kept_overlap = kept;
         if let Some(contacts) = &mut self.contacts {
-            contacts.has_released = false;
+            contacts.released.fill(false);
         }
     }
 

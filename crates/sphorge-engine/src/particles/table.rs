@@ -378,7 +378,7 @@ columns! {
     pub earlier_deformation: Tensor<f64> = UNDEFORMED, Renewal,
         Internal("", "deformation gradient of the reference configuration"), Tensor[Contact], None;
     pub(crate) kept_overlap: f64 = 0.0, Renewal,
-        Internal("", "overlap that a body which breaks had where it came apart, from which on it presses; it falls with the overlap"), Unmirrored[], None;
+        Internal("", "overlap that a body had where it came apart, from which on it presses; it falls with the overlap"), Unmirrored[], None;
     // Wrapped with the position: behind a periodic end it is a period farther.
     pub initial_position: Vector<f64> = [0.0; 3], Start, Internal("m", "position at the start"), Unmirrored[], None;
 

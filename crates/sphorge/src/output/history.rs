@@ -201,6 +201,8 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
             sum(|c| c.friction_work),
         );
         row.number("contact_damping_work", "J", "heat of contact damping so far", sum(|c| c.damping_work));
+        let lost = "work against contacts so far that they neither hold nor turned to heat: the error of their integration in time, part of the total energy";
+        row.number("contact_integration_energy", "J", lost, sum(|c| c.integration_energy));
     }
     let meaning = "kinetic energy, internal energy and energy stored in contacts between bodies";
     row.number("total_energy", "J", meaning, ledger.total_energy());

@@ -265,7 +265,9 @@ impl Watch {
 
         // Every passage between motion and matter has its error, so that of a vibration grows without end.
         let passed = supplied.max(self.supply.exchanged);
-        let lost = ledger.integration_energy.abs();
+        let booked = ledger.integration_energy;
+        let by_contacts = ledger.contacts.iter().map(|contact| contact.integration_energy).sum::<f64>();
+        let lost = booked.abs().max((booked + by_contacts).abs());
         self.hold(WarningKind::Integration, share(lost, passed), Place::default(), clock);
 
         // What they hold is never less than nothing.

@@ -398,6 +398,76 @@ shape = {{ box = {{ min = ["10 mm"], max = ["20 mm"] }} }}
     }
 }
 
+/// Two plates of copper at 3 km/s between planes of symmetry, of which the first comes apart at once, far away, and other bodies, far from both, at `later` (us).
+fn with_bodies_that_come_apart(later: &[f64]) -> String {
+    let mut deck = r#"
+dimensions = "plane-strain"
+particles = { spacing = "0.25 mm" }
+time = { end = "2 us" }
+search = { total-lagrangian = { renewal = 1.5 } }
+symmetry = [{ axis = "y" }, { axis = "y", at = "2 mm", side = "negative" }]
+
+[material.copper]
+density = "8930 kg/m^3"
+equation-of-state = { mie-gruneisen = { sound-speed = "3940 m/s", shock-slope = 1.49, gruneisen = 2.0 } }
+strength = "none"
+
+[[body]]
+name = "striker"
+material = "copper"
+shape = { union = [
+    { box = { min = ["-10 mm", "0 mm"], max = ["0 mm", "2 mm"] } },
+    { box = { min = ["-40 mm", "0.5 mm"], max = ["-38.5 mm", "1.25 mm"] } },
+] }
+velocity = ["3000 m/s", "0 m/s"]
+
+[[body]]
+name = "target"
+material = "copper"
+shape = { box = { min = ["0 mm", "0 mm"], max = ["10 mm", "2 mm"] } }
+"#
+    .to_owned();
+    let mut pulled = |body: &str, from: f64, own: f64, start: f64| {
+        for (end, at, more) in [("held", from, 0.0), ("pulled", from + 1.25, 600.0)] {
+            deck += &format!(
+                "[[region]]\nname = \"{body}-{end}\"\nbody = \"{body}\"\nshape = {{ box = {{ min = [\"{} mm\", \"0.4 mm\"], max = [\"{} mm\", \"1.35 mm\"] }} }}\n\
+                 [[motion]]\nregion = \"{body}-{end}\"\nvelocity = [[[\"0 us\", \"{own} m/s\"], [\"{start} us\", \"{own} m/s\"], [\"{} us\", \"{} m/s\"]], \"0 m/s\"]\n",
+                at - 0.01,
+                at + 0.26,
+                start + 1e-3,
+                own + more
+            );
+        }
+    };
+    pulled("striker", -40.0, 3000.0, 0.05);
+    for (k, &start) in later.iter().enumerate() {
+        pulled(&format!("far{k}"), 60.0 + 6.0 * k as f64, 0.0, start);
+    }
+    for k in 0..later.len() {
+        let from = 60.0 + 6.0 * k as f64;
+        deck += &format!(
+            "[[body]]\nname = \"far{k}\"\nmaterial = \"copper\"\nshape = {{ box = {{ min = [\"{from} mm\", \"0.5 mm\"], max = [\"{} mm\", \"1.25 mm\"] }} }}\n",
+            from + 1.5
+        );
+    }
+    deck
+}
+
+#[test]
+fn what_comes_apart_elsewhere_leaves_a_contact_as_it_is() {
+    // All that met by overlap lost their push in the step in which any body came apart.
+    let speed = |later: &[f64]| {
+        let mut simulation = simulation(&with_bodies_that_come_apart(later), &[]);
+        run_to(&mut simulation, 1.3e-6);
+        let p = simulation.particles().unwrap();
+        let target: Vec<usize> = (0..p.len()).filter(|i| p.body[*i] == 1).collect();
+        target.iter().map(|i| p.velocity[*i][0]).sum::<f64>() / target.len() as f64
+    };
+    let (quiet, others) = (speed(&[90.0, 91.0, 92.0]), speed(&[0.5, 0.6, 0.7]));
+    assert!((1150.0..1220.0).contains(&quiet), "{quiet}");
+    assert!((others / quiet - 1.0).abs() < 1e-3, "{quiet} {others}");
+}
+
 /// A block of steel strikes one twice as wide.
 const CORNERS: &str = r#"
 dimensions = "plane-strain"

@@ -125,13 +125,17 @@ pub(super) fn cure(kind: WarningKind, model: &Model, body: Option<usize>) -> Str
             joined(&ways)
         }
         WarningKind::Integration => format!("{step}: what is missing, or too much, falls with its square"),
-        WarningKind::ContactEnergy if is_total => {
+        WarningKind::ContactEnergy if model.has_facets() => {
             "contacts have set bodies in motion with energy from nowhere: do not use the run, and report its deck as a fault of the program".to_owned()
         }
-        WarningKind::ContactEnergy => format!(
-            "bodies press each other before they touch, by overlaps of their kernels: {TOTAL_LAGRANGIAN}, in which they meet at their faces, or start them \
-             further apart"
-        ),
+        WarningKind::ContactEnergy => {
+            let at_faces = match is_total {
+                true => "leave `surfaces = \"overlap\"` out, so that they meet at their faces".to_owned(),
+                false => format!("{TOTAL_LAGRANGIAN}, in which they meet at their faces"),
+            };
+            let way = "bodies press each other by overlaps of their kernels, before they touch and with an error of the step";
+            format!("{way}: {at_faces}, or start them further apart, or {step}")
+        }
         WarningKind::HourglassWork => "use a smaller spacing: springs take from motion that varies from particle to particle; or lower `search.total-lagrangian.hourglass`".to_owned(),
         WarningKind::LostNeighbors => "numerical fracture: raise `particles.smoothing`, or give the material a `spall-pressure` if it is meant to break".to_owned(),
         WarningKind::BehindSymmetry => "the body has folded through its image, or has come apart and mixes with it: choose a spacing with the first layer of particles half a spacing from the plane (`sphorge check` suggests some), or use a penalty wall instead of the plane".to_owned(),

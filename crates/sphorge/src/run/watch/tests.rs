@@ -117,12 +117,21 @@ fn energy_that_the_steps_lose_is_told() {
         assert_eq!(watch.count(), 0);
         watch.look_at_ledger(&model, &with(13.0), CLOCK);
         assert_eq!(found(&watch, &model), one("integration", 0.13));
+        // What contacts book counts with it, but does not hide it.
+        let contact = |lost: f64| ContactLedger { integration_energy: sign * lost, ..ContactLedger::default() };
+        let both = |lost: f64, by_contact: f64| Ledger { contacts: vec![contact(by_contact)], ..with(lost) };
+        let mut watch = begun(&model);
+        watch.look_at_ledger(&model, &both(9.0, -9.0), CLOCK);
+        assert_eq!(watch.count(), 0);
+        watch.look_at_ledger(&model, &both(11.0, -9.0), CLOCK);
+        watch.look_at_ledger(&model, &both(-2.0, 16.0), CLOCK);
+        assert_eq!(found(&watch, &model), one("integration", 0.14));
     }
 }
 
 #[test]
 fn contacts_give_what_they_took_and_no_more() {
-    let mut model = testing::model(&["bar", "plate"]);
+    let model = testing::model(&["bar", "plate"]);
     let with = |stored: [f64; 2]| Ledger {
         contacts: stored.map(|stored_energy| ContactLedger { stored_energy, ..ContactLedger::default() }).to_vec(),
         ..ledger(100.0, 0.0, 0.0, 0.0)
@@ -136,9 +145,13 @@ fn contacts_give_what_they_took_and_no_more() {
     // Where bodies meet at facets that is a fault of the program, by overlap a matter of where they start.
     let cure_of = |model: &Model| super::cure::cure(WarningKind::ContactEnergy, model, None);
     assert!(cure_of(&model).contains("total-lagrangian"), "{}", cure_of(&model));
-    let whole = crate::deck::load_text("bar", crate::deck::decks::find("iron-plate").unwrap().text, &[]).unwrap();
-    model.formulation = whole.model.formulation;
-    assert!(cure_of(&model).contains("fault of the program"), "{}", cure_of(&model));
+    let whole = crate::deck::decks::find("perforation").unwrap();
+    let at = |surfaces: &str| {
+        let change = ("contact.penalty.surfaces".to_owned(), surfaces.to_owned());
+        crate::deck::load_text("disc", whole.text, &[change]).unwrap().model
+    };
+    assert!(cure_of(&at("facets")).contains("fault of the program"), "{}", cure_of(&at("facets")));
+    assert!(cure_of(&at("overlap")).contains("leave `surfaces"), "{}", cure_of(&at("overlap")));
 }
 
 #[test]
