@@ -26,7 +26,7 @@ fn too_rough(model: &Model) -> Vec<String> {
     rough.map(note).collect()
 }
 
-/// Heat flux, W/m^2, that no source of long duration has: burners have 1e6, spots of welding 1e10.
+/// Heat flux, W/m^2, that no source of long duration has: burners have 1e6, arcs of welding 1e9.
 const LARGEST_FLUX: f64 = 1e11;
 /// Heat transfer coefficient that no flow has, W/(m^2 K): boiling and condensing metals have 1e6.
 const LARGEST_TRANSFER: f64 = 1e8;
@@ -37,7 +37,7 @@ fn too_hot(model: &Model) -> Vec<String> {
         let name = &boundary.name;
         match boundary.kind {
             HeatBoundaryKind::Flux(flux) if flux.abs() > LARGEST_FLUX => Some(format!(
-                "the flux of heat boundary `{name}` is {flux:.3e} W/m^2: arcs of welding have 1e10; check the unit"
+                "the flux of heat boundary `{name}` is {flux:.3e} W/m^2: arcs of welding have up to 1e9, beams of lasers and electrons 1e10 to 1e12; check the unit"
             )),
             HeatBoundaryKind::Convection { coefficient, .. } if coefficient > LARGEST_TRANSFER => Some(format!(
                 "the heat transfer coefficient of heat boundary `{name}` is {coefficient:.3e} W/(m^2 K): boiling water has 1e5; check the unit"

@@ -10,8 +10,12 @@ pub(crate) fn nearest<'a>(word: &str, options: impl IntoIterator<Item = &'a str>
         return None;
     }
     let folded = fold(word);
+    let terms = terms(&folded);
     let mut best = None;
     for option in options.into_iter().take(MOST_OPTIONS) {
+        if terms.contains(&option) {
+            return Some(option);
+        }
         let known = fold(option);
         let mut score = strsim::normalized_damerau_levenshtein(&folded, &known);
         if folded.len() >= 3 && (known.starts_with(&folded) || folded.starts_with(&known) || known.ends_with(&folded)) {
@@ -22,6 +26,25 @@ pub(crate) fn nearest<'a>(word: &str, options: impl IntoIterator<Item = &'a str>
         }
     }
     best.map(|(_, option)| option)
+}
+
+/// What deck keys call that which books and other programs call by a word, in lower case.
+fn terms(word: &str) -> &'static [&'static str] {
+    match word {
+        "e" | "elastic-modulus" | "youngs-modulus" | "young" => &["young-modulus"],
+        "g" => &["shear-modulus"],
+        "nu" | "poisson" | "poissons-ratio" => &["poisson-ratio"],
+        "rho" | "rho0" | "rho-0" => &["density"],
+        "c0" | "c-0" => &["sound-speed"],
+        "s" => &["shock-slope"],
+        "gamma" | "gamma0" => &["gruneisen"],
+        "eos" => &["equation-of-state"],
+        "cp" | "heat-capacity" => &["specific-heat"],
+        "linear-hardening" | "isotropic-hardening" | "elastic-plastic" | "plastic-kinematic" => &["bilinear"],
+        "plastic" | "von-mises" | "j2" => &["perfectly-plastic"],
+        "jc" => &["johnson-cook"],
+        _ => &[],
+    }
 }
 
 /// Shortest part of a name that is told from others.
@@ -110,6 +133,25 @@ pub(crate) fn suggest<'a>(word: &str, options: impl IntoIterator<Item = &'a str>
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn nearest_knows_the_words_of_others() {
+        let strengths = ["none", "elastic", "perfectly-plastic", "bilinear", "johnson-cook"];
+        let pairs = [("elastic-plastic", "bilinear"), ("plastic", "perfectly-plastic"), ("JC", "johnson-cook")];
+        for (word, meant) in
+            pairs.into_iter().chain([("linear-hardening", "bilinear"), ("von_mises", "perfectly-plastic")])
+        {
+            assert_eq!(nearest(word, strengths), Some(meant));
+        }
+        let constants = ["density", "young-modulus", "shear-modulus", "poisson-ratio", "specific-heat"];
+        for (word, meant) in
+            [("elastic-modulus", "young-modulus"), ("E", "young-modulus"), ("nu", "poisson-ratio"), ("rho", "density")]
+        {
+            assert_eq!(nearest(word, constants), Some(meant));
+        }
+        // Only where there is one.
+        assert_eq!(nearest("gamma", constants), None);
+    }
 
     #[test]
     fn nearest_finds_slips_and_gives_up_on_strangers() {

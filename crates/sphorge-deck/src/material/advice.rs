@@ -150,7 +150,9 @@ fn beyond_matter(constants: &Constants, material: &Material, has_slip: bool) -> 
         })
         .collect();
     let is_odd_modulus = has_slip || !given(material.shear_modulus, (1.0, 1e13));
-    if let Some(yields) = flow_stress(material).filter(|yields| !is_odd_modulus && *yields > material.shear_modulus) {
+    if let Some(yields) =
+        flow_stress(material).filter(|yields| !is_odd_modulus && *yields > 0.5 * material.shear_modulus)
+    {
         told.push(format!(
             "material `{}` yields at {yields:.3e} Pa, {:.1} times its shear modulus, where no lattice of atoms bears more than {IDEAL_STRENGTH}: check the unit",
             material.name,
