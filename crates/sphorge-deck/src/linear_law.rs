@@ -45,6 +45,17 @@ fn pressure(own: Side, other: Option<Side>, speed: f64, as_metal: bool) -> f64 {
     own.pressure(low, as_metal)
 }
 
+/// The impact of a body of the linear law that misses most.
+#[derive(Clone, Copy)]
+struct Found {
+    body: usize,
+    other: Option<usize>,
+    /// m/s.
+    speed: f64,
+    /// Share of the pressure.
+    missing: f64,
+}
+
 /// A note for each material that is hit too hard for it, on the impact that misses most.
 pub(crate) fn notes(model: &Model) -> Vec<String> {
     let side = |body: usize| {
@@ -53,8 +64,7 @@ pub(crate) fn notes(model: &Model) -> Vec<String> {
         let sound = law.reference_sound_speed();
         Side { density: material.density, sound, is_linear: matches!(law, EquationOfState::Linear(_)) && sound > SLOW }
     };
-    // By material: the body of it, the other if there is one, the speed and the share that is missing.
-    let mut worst: Vec<Option<(usize, Option<usize>, f64, f64)>> = vec![None; model.materials.len()];
+    let mut worst: Vec<Option<Found>> = vec![None; model.materials.len()];
     each_impact(model, &mut |Impact { body, other, normal, .. }| {
         let (own, against) = (side(body), other.map(side));
         let missing = 1.0 - pressure(own, against, normal, false) / pressure(own, against, normal, true);
@@ -62,12 +72,13 @@ pub(crate) fn notes(model: &Model) -> Vec<String> {
         let linear = [Some(body), other].into_iter().flatten().find(|body| side(*body).is_linear);
         if let Some(linear) = linear.filter(|_| missing > MISSING && normal < FASTEST * slower) {
             let known = &mut worst[model.bodies[linear].material];
-            if known.is_none_or(|(.., most)| missing > most) {
-                *known = Some((linear, if linear == body { other } else { Some(body) }, normal, missing));
+            if known.is_none_or(|known| missing > known.missing) {
+                let other = if linear == body { other } else { Some(body) };
+                *known = Some(Found { body: linear, other, speed: normal, missing });
             }
         }
     });
-    let told = worst.into_iter().flatten().map(|(body, other, speed, missing)| {
+    let told = worst.into_iter().flatten().map(|Found { body, other, speed, missing }| {
         let what = other.map_or("what it strikes".to_owned(), |other| format!("`{}`", model.bodies[other].name));
         let (body, sound) = (&model.bodies[body], side(body).sound);
         format!(
