@@ -93,7 +93,7 @@ fn materials_are_listed_and_shown() {
     for text in ["80 GPa", "175 MPa", "johnson-cook", "Patiño"] {
         assert!(shown.contains(text), "`{text}` is not in:\n{shown}");
     }
-    let acts = "acts where a material of the deck with this `base` has `damage = \"johnson-cook\"`";
+    let acts = "acts where the deck gives the material `damage = \"johnson-cook\"`";
     assert!(place.run(&["materials", "ofhc-copper"]).expect_code(0).out.contains(acts));
     place.run(&["materials", "armco-irn"]).expect_code(2).expect_told(&["did you mean `armco-iron`"]);
 }

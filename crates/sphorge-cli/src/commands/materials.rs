@@ -65,7 +65,7 @@ fn details(material: &MaterialListing) -> String {
             // Strength and pressure act by themselves.
             let acts = match what {
                 "damage" => {
-                    format!("; acts where a material of the deck with this `base` has `damage = \"{}\"`", law.key)
+                    format!("; acts where the deck gives the material `damage = \"{}\"`", law.key)
                 }
                 _ => String::new(),
             };

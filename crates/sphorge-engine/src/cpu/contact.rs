@@ -156,19 +156,45 @@ impl<'a> Places<'a> {
     }
 }
 
-/// The data of particles and ghosts that the contact reads.
+/// What overlaps follow from.
 #[derive(Clone, Copy)]
-struct Points<'a> {
+struct Seen<'a> {
     places: Places<'a>,
     mass: WithGhosts<'a, f64>,
     body: WithGhosts<'a, u32>,
-    overlap: WithGhosts<'a, f64>,
-    direction: WithGhosts<'a, Vector<f64>>,
-    weight: WithGhosts<'a, f64>,
     surfaces: Surfaces<'a>,
 }
 
-impl Points<'_> {
+impl<'a> Seen<'a> {
+    fn new(places: Places<'a>, own: &'a Particles, ghosts: &'a Particles) -> Self {
+        Self {
+            places,
+            mass: WithGhosts::new(&own.mass, &ghosts.mass),
+            body: WithGhosts::new(&own.body, &ghosts.body),
+            surfaces: Surfaces::new(&own.reference_normal, &own.deformation, ghosts),
+        }
+    }
+}
+
+/// The data of particles and ghosts that the contact reads.
+#[derive(Clone, Copy)]
+struct Points<'a> {
+    seen: Seen<'a>,
+    overlap: WithGhosts<'a, f64>,
+    direction: WithGhosts<'a, Vector<f64>>,
+    weight: WithGhosts<'a, f64>,
+}
+
+impl<'a> Points<'a> {
+    fn new(places: Places<'a>, own: &'a Particles, ghosts: &'a Particles) -> Self {
+        Self {
+            seen: Seen::new(places, own, ghosts),
+            overlap: WithGhosts::new(&own.contact_overlap, &ghosts.contact_overlap),
+            direction: WithGhosts::new(&own.contact_direction, &ghosts.contact_direction),
+            weight: WithGhosts::new(&own.contact_weight, &ghosts.contact_weight),
+        }
+    }
+
     /// Overlap of a particle or ghost with other bodies.
     fn overlap_of(&self, j: usize) -> Overlap<f64> {
         Overlap { overlap: self.overlap.at(j), away: self.direction.at(j), weight: self.weight.at(j) }
@@ -355,15 +381,7 @@ impl BodyContacts {
                 return facets.force(i, j, own, ghosts, &self.table);
             }
         }
-        let points = Points {
-            places: Places::at(places, own, ghosts),
-            mass: WithGhosts::new(&own.mass, &ghosts.mass),
-            body: WithGhosts::new(&own.body, &ghosts.body),
-            overlap: WithGhosts::new(&own.contact_overlap, &ghosts.contact_overlap),
-            direction: WithGhosts::new(&own.contact_direction, &ghosts.contact_direction),
-            weight: WithGhosts::new(&own.contact_weight, &ghosts.contact_weight),
-            surfaces: Surfaces::new(&own.reference_normal, &own.deformation, ghosts),
-        };
+        let points = Points::new(Places::at(places, own, ghosts), own, ghosts);
         self.table.row(i, &[j], &points, None, dt, &mut BlockSums::default()).force
     }
 
@@ -469,26 +487,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let mut kept = std::mem::take(&mut self.particles.kept_overlap);
         let p = &self.particles;
         let ghosts = &contacts.ghosts(&self.ghosts).columns;
-        let places = Places::new(p, ghosts);
-        let masses = WithGhosts::new(&p.mass, &ghosts.mass);
-        let bodies = WithGhosts::new(&p.body, &ghosts.body);
-        let surfaces = Surfaces::new(&p.reference_normal, &p.deformation, ghosts);
-        let sum_of = |i: usize, row: &[u32], meet: &dyn Fn(usize, usize) -> bool| {
-            let a = bodies.at(i) as usize;
-            let volume = masses.at(i) * table.specific_volume[a];
-            let mut sum = Overlap::before_the_first();
-            for &j in row {
-                let j = j as usize;
-                let b = bodies.at(j) as usize;
-                if !meet(a, b) || a == b && !surfaces.press(i, j) {
-                    continue;
-                }
-                let x = places.apart(i, j);
-                let kernel = table.kernel(a, b, dot(x, x).sqrt());
-                sum.add(table.law(a, b), &kernel, x, volume, masses.at(j) * table.specific_volume[b]);
-            }
-            sum
-        };
+        let seen = Seen::new(Places::new(p, ghosts), p, ghosts);
         (
             contacts.foreign.blocks().par_iter(),
             overlaps.par_chunks_mut(BLOCK),
@@ -498,7 +497,7 @@ impl<T: PairScalar> CpuEngine<T> {
             .into_par_iter()
             .for_each(|(block, overlaps, directions, weights)| {
                 for (i, row) in block.rows() {
-                    let sum = sum_of(i, row, &|a, b| by_overlap(facets, a, b));
+                    let sum = table.overlap(i, row, &seen, |a, b| by_overlap(facets, a, b));
                     let k = i % BLOCK;
                     (overlaps[k], directions[k], weights[k]) = (sum.overlap, sum.away, sum.weight);
                 }
@@ -512,7 +511,7 @@ impl<T: PairScalar> CpuEngine<T> {
             for (i, row) in contacts.foreign.blocks().iter().flat_map(|block| block.rows()) {
                 let whole = overlaps[i];
                 if some_released {
-                    let pushes = (sum_of(i, row, &met_before).overlap - kept[i]).max(0.0);
+                    let pushes = (table.overlap(i, row, &seen, met_before).overlap - kept[i]).max(0.0);
                     kept[i] = kept[i].max(whole - pushes);
                 }
                 kept[i] = kept[i].min(whole.max(0.0));
@@ -565,15 +564,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let mut friction_heat = std::mem::take(&mut self.particles.friction_heat);
         let mut face_stress = std::mem::take(&mut self.particles.face_stress);
         let p = &self.particles;
-        let points = Points {
-            places: Places::new(p, ghosts),
-            mass: WithGhosts::new(&p.mass, &ghosts.mass),
-            body: WithGhosts::new(&p.body, &ghosts.body),
-            overlap: WithGhosts::new(&p.contact_overlap, &ghosts.contact_overlap),
-            direction: WithGhosts::new(&p.contact_direction, &ghosts.contact_direction),
-            weight: WithGhosts::new(&p.contact_weight, &ghosts.contact_weight),
-            surfaces: Surfaces::new(&p.reference_normal, &p.deformation, ghosts),
-        };
+        let points = Points::new(Places::new(p, ghosts), p, ghosts);
         let whole = WholeDeformation { since: &p.deformation, earlier: &p.earlier_deformation };
         let (table, dt) = (&*table, self.step.dt);
         let at_facets = facets.as_ref().map(|facets| (facets, FacetPoints::new(p, ghosts)));
@@ -606,7 +597,7 @@ impl<T: PairScalar> CpuEngine<T> {
                 friction_heat[i % BLOCK] += push.friction / p.mass[i];
                 *limit = limit.min(push.limit);
                 let face = || FaceShift::new(&whole.at(i), p.face_arm[i]);
-                if let Some(face) = points.places.shift.and_then(|_| face()) {
+                if let Some(face) = points.seen.places.shift.and_then(|_| face()) {
                     push.heat += dot(push.force, p.contact_shift_rate[i]);
                     let moment = face.stress(&p.deformation[i], push.force);
                     add_stress(moment.map(|row| row.map(|c| c / p.reference_volume[i])));
@@ -666,6 +657,25 @@ pub(super) struct Push {
 }
 
 impl ContactLaws {
+    /// What a particle overlaps its neighbours in bodies by that meet its own.
+    #[inline]
+    fn overlap(&self, i: usize, row: &[u32], seen: &Seen<'_>, meet: impl Fn(usize, usize) -> bool) -> Overlap<f64> {
+        let a = seen.body.at(i) as usize;
+        let volume = seen.mass.at(i) * self.specific_volume[a];
+        let mut sum = Overlap::before_the_first();
+        for &j in row {
+            let j = j as usize;
+            let b = seen.body.at(j) as usize;
+            if !meet(a, b) || a == b && !seen.surfaces.press(i, j) {
+                continue;
+            }
+            let x = seen.places.apart(i, j);
+            let kernel = self.kernel(a, b, dot(x, x).sqrt());
+            sum.add(self.law(a, b), &kernel, x, volume, seen.mass.at(j) * self.specific_volume[b]);
+        }
+        sum
+    }
+
     /// By overlap; with `facets` only with what does not meet there.
     fn row(
         &self,
@@ -676,27 +686,27 @@ impl ContactLaws {
         dt: f64,
         sums: &mut BlockSums,
     ) -> Push {
-        let a = points.body.at(i) as usize;
-        let mass = points.mass.at(i);
+        let a = points.seen.body.at(i) as usize;
+        let mass = points.seen.mass.at(i);
         let volume = mass * self.specific_volume[a];
         let own = points.overlap_of(i);
         let mut push = Push::default();
         let mut stiffness = ContactStiffness::default();
         for &j in row {
             let j = j as usize;
-            let b = points.body.at(j) as usize;
-            if !by_overlap(facets, a, b) || a == b && !points.surfaces.press(i, j) {
+            let b = points.seen.body.at(j) as usize;
+            if !by_overlap(facets, a, b) || a == b && !points.seen.surfaces.press(i, j) {
                 continue;
             }
-            let x = points.places.apart(i, j);
+            let x = points.seen.places.apart(i, j);
             let law = self.law(a, b);
-            let (other, other_mass) = (points.overlap_of(j), points.mass.at(j));
+            let (other, other_mass) = (points.overlap_of(j), points.seen.mass.at(j));
             let kernel = self.kernel(a, b, dot(x, x).sqrt());
             let other_volume = other_mass * self.specific_volume[b];
             let (weight, overlaps) = (kernel.weight(volume, other_volume), (own.overlap, other.overlap));
             let pair = ContactPair {
                 x,
-                v: points.places.relative_velocity(i, j),
+                v: points.seen.places.relative_velocity(i, j),
                 weight,
                 overlaps,
                 direction: difference(own.away, other.away),

@@ -17,6 +17,7 @@ mod heat;
 mod hinges;
 mod homogeneous;
 mod hyperelastic;
+mod impacts_at_facets;
 mod numerical_work;
 mod oracle;
 mod persist;

@@ -133,8 +133,12 @@ pub(super) fn cure(kind: WarningKind, model: &Model, body: Option<usize>) -> Str
                 true => "leave `surfaces = \"overlap\"` out, so that they meet at their faces".to_owned(),
                 false => format!("{TOTAL_LAGRANGIAN}, in which they meet at their faces"),
             };
-            let way = "bodies press each other by overlaps of their kernels, before they touch and with an error of the step";
-            format!("{way}: {at_faces}, or start them further apart, or {step}")
+            let mut ways = vec![at_faces, "start them further apart".to_owned(), step];
+            if numerics.xsph > 0.0 {
+                ways.push("leave out `xsph`, which moves particles without work".to_owned());
+            }
+            let why = "bodies press each other by overlaps of their kernels, before they touch and with an error of the step";
+            format!("{why}: {}", joined(&ways))
         }
         WarningKind::HourglassWork => "use a smaller spacing: springs take from motion that varies from particle to particle; or lower `search.total-lagrangian.hourglass`".to_owned(),
         WarningKind::LostNeighbors => "numerical fracture: raise `particles.smoothing`, or give the material a `spall-pressure` if it is meant to break".to_owned(),
@@ -254,6 +258,8 @@ mod tests {
         none_has(&model(&[]), "numerics.temperature = \"plastic-work\"");
         has(WarningKind::MissingHeat, &[], "numerics.temperature = \"energy\"");
         has(WarningKind::PlasticWork, &[UPDATED, REPULSION, ("numerics.xsph", "0.5")], "`xsph` or `artificial-stress`");
+        has(WarningKind::ContactEnergy, &[UPDATED, ("numerics.xsph", "0.5")], "leave out `xsph`");
+        assert!(!cure(WarningKind::ContactEnergy, &model(&[UPDATED]), None).contains("xsph"));
         let plain = cure(WarningKind::PlasticWork, &model(&[UPDATED]), None);
         assert!(!plain.contains("xsph") && !plain.contains("artificial"), "{plain}");
         has(WarningKind::WallEnergy, &[UPDATED, ("wall.anvil.contact", "monaghan-kos")], "`contact = \"penalty\"`");

@@ -99,7 +99,9 @@ pub(super) const CASE: Case = Case {
         ExpectedWarning::new("lost-neighbors", "the debris contains fragments of one or two particles"),
         ExpectedWarning {
             name: "contact-energy",
-            reason: "the kernels of bullet and plate, of different spacings, overlap before they touch, and give that energy to the impact",
+            // At 15 mm 8 % in the first 8 us; 25 mm away none, with XSPH 4.3 % from then to 250 us and without it none, at any Courant number.
+            reason: "the kernels of bullet and plate overlap at the start and give that energy to the impact, and XSPH moves \
+                     particles without work",
             runs: &[PUSHES],
         },
     ],
