@@ -50,6 +50,10 @@ fn case(kind: WarningKind) -> Option<Case> {
         }
         WarningKind::Pieces => of("pieces", "use `search = \"total-lagrangian\"`", TOTAL_LAGRANGIAN),
         WarningKind::LostNeighbors => of("lost-neighbors", "give the material a `spall-pressure`", SPALLS),
+        WarningKind::Interpenetration => {
+            let key = "method";
+            of("interpenetration", "use `method = \"updated-lagrangian\"`", (key, "updated-lagrangian"))
+        }
         WarningKind::BehindSymmetry => {
             of("behind-symmetry", "`sphorge check` suggests", ("particles.spacing", "0.635 mm"))
         }

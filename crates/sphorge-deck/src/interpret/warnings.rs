@@ -23,6 +23,7 @@ pub(crate) fn limits(raw: &RawWarnings, problems: &mut Problems) -> Option<Warni
         (WarningKind::Tearing, &raw.tearing),
         (WarningKind::Pieces, &raw.pieces),
         (WarningKind::LostNeighbors, &raw.lost_neighbors),
+        (WarningKind::Interpenetration, &raw.interpenetration),
         (WarningKind::BehindSymmetry, &raw.behind_symmetry),
         (WarningKind::FarAway, &raw.far_away),
         (WarningKind::Compression, &raw.compression),

@@ -43,6 +43,9 @@ tables! {
         /// Largest share of the particles of a body that cannot break (no `spall-pressure`, no damage) with fewer neighbours than a
         /// gradient needs, minus that at the start.
         lost_neighbors: Option<Given<Number>>, example 0.01, default 0.001;
+        /// Largest share of the particles of a body whose centres lie in cells of another body that is in one piece, beyond outermost layers that press each
+        /// other. Checked in the total Lagrangian form.
+        interpenetration: Option<Given<Number>>, example 0.1, default 0.03;
         /// Largest depth of a particle behind a symmetry plane, in spacings of its body.
         behind_symmetry: Option<Given<Number>>, example 0.2, default 0.5;
         /// Largest distance of a particle from the box around the initial bodies, over the largest possible travel: the length of that box

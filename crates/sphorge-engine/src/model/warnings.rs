@@ -33,6 +33,8 @@ pub enum WarningKind {
     Pieces,
     /// Particles of a body that cannot break without the neighbours a gradient needs.
     LostNeighbors,
+    /// Particles of a body in another body.
+    Interpenetration,
     /// A particle behind a symmetry plane.
     BehindSymmetry,
     /// A particle far from where anything can have come.
@@ -72,7 +74,7 @@ const fn below(name: &'static str, limit: f64, meaning: &'static str) -> Warning
 
 impl WarningKind {
     /// Every check.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::PlasticWork,
         Self::NegativeEnergy,
         Self::HourglassWork,
@@ -88,6 +90,7 @@ impl WarningKind {
         Self::Tearing,
         Self::Pieces,
         Self::LostNeighbors,
+        Self::Interpenetration,
         Self::BehindSymmetry,
         Self::FarAway,
         Self::Compression,
@@ -150,6 +153,9 @@ impl WarningKind {
                 0.001,
                 "share of the particles of a body that cannot break that have too few neighbours for a gradient",
             ),
+            Self::Interpenetration => {
+                above("interpenetration", 0.03, "share of the particles of a body that lie in cells of another body")
+            }
             Self::BehindSymmetry => {
                 above("behind-symmetry", 0.5, "depth of a particle behind a symmetry plane over the spacing")
             }

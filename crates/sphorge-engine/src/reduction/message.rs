@@ -74,7 +74,7 @@ impl ReductionMessage {
                     Suspicion::Behind { limit, breaks } => (if breaks { 17 } else { 14 }, limit),
                     Suspicion::Lonely => (15, 0.0),
                     Suspicion::MissingHeat(limit) => (16, limit),
-                    Suspicion::Apart | Suspicion::Paired | Suspicion::Torn => return None,
+                    Suspicion::Apart | Suspicion::Paired | Suspicion::Torn | Suspicion::Inside { .. } => return None,
                 };
                 take(kind, None, None);
                 message.numbers[6] = limit;
@@ -173,7 +173,9 @@ mod tests {
             assert_eq!(format!("{:?}", told.reduction().unwrap()), format!("{reduction:?}"));
         }
         assert_eq!(ReductionMessage::read(&[0; 20]), None);
-        for whole in [Suspicion::Apart, Suspicion::Paired, Suspicion::Torn] {
+        for whole in
+            [Suspicion::Apart, Suspicion::Paired, Suspicion::Torn, Suspicion::Inside { faces: true, breaks: false }]
+        {
             assert_eq!(ReductionMessage::of(&Reduction::Suspects(whole)), None);
         }
     }

@@ -3,6 +3,7 @@
 //! Counts are whole numbers and the worst is the first by value, then by `id`: neither depends on the order particles are looked at in,
 //! so that all threads may look.
 
+mod inside;
 mod pairs;
 mod pieces;
 mod single;
@@ -13,6 +14,7 @@ pub use single::{AGAINST, Looked, Standard};
 use super::Turns;
 use crate::model::{Material, Model};
 use crate::particles::Particles;
+use inside::Inside;
 use pairs::{Pairs, Torn};
 use pieces::Pieces;
 use rayon::prelude::*;
@@ -69,6 +71,14 @@ pub enum Suspicion {
     /// What tears in a small part of a body is seen by this. Layers that compression lays on each other, as in the foot of a bar, are not in
     /// tension, or not for long and not around.
     Torn,
+    /// In the total Lagrangian form: its centre lies in the cell of a particle of another body that is in one piece, and not both are of outermost layers.
+    /// The number is how deep: zero at the face of the cell, one in its centre.
+    Inside {
+        /// Whether outermost layers are known.
+        faces: bool,
+        /// Whether some material breaks, so that there are severed particles.
+        breaks: bool,
+    },
 }
 
 impl Suspicion {
@@ -82,15 +92,18 @@ impl Suspicion {
             Self::Apart => vec!["reference_position"],
             Self::Torn => vec!["pressure"],
             Self::Compressed(_) | Self::Expanded(_) | Self::Away { .. } | Self::Paired => Vec::new(),
-            Self::Behind { breaks, .. } => {
-                if breaks {
-                    vec!["integrity"]
-                } else {
-                    Vec::new()
-                }
+            Self::Behind { breaks, .. } => of_cracks(breaks).to_vec(),
+            Self::Inside { faces, breaks } => {
+                let of_faces: &[_] = if faces { &["reference_normal"] } else { &[] };
+                [&["deformation", "earlier_deformation"], of_faces, of_cracks(breaks)].concat()
             }
         }
     }
+}
+
+/// The field that tells of cracks, which exists where something breaks.
+fn of_cracks(breaks: bool) -> &'static [&'static str] {
+    if breaks { &["integrity"] } else { &[] }
 }
 
 /// Numbers of one body in what comes back of a [`Suspicion`].
@@ -199,6 +212,10 @@ pub(super) fn evaluate<R: Turns>(
             let is_whole = wholes(model, p);
             let torn = Torn::find(model, p);
             count(model, p, turns, |i| if is_whole(i) { suspect_above(torn.share(i), TEARING_SHARE) } else { None })
+        }
+        Suspicion::Inside { .. } => {
+            let inside = Inside::find(model, p);
+            count(model, p, turns, |i| suspect_above(inside.depth(i), 0.0))
         }
         Suspicion::Cold(_)
         | Suspicion::Hot(_)

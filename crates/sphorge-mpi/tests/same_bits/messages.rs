@@ -124,7 +124,7 @@ fn longest(reduction: &Reduction<'_>, found: &[f64]) -> Option<usize> {
             | Suspicion::Lonely,
         ) => Some(72),
         // They look at what lies around particles.
-        Reduction::Suspects(Suspicion::Apart | Suspicion::Paired | Suspicion::Torn) => None,
+        Reduction::Suspects(Suspicion::Apart | Suspicion::Paired | Suspicion::Torn | Suspicion::Inside { .. }) => None,
         Reduction::SectionForce(_) => panic!("the deck has no section"),
     }
 }
@@ -155,6 +155,7 @@ fn measures_and_checks_send_sums_and_no_columns_but_those_of_what_lies_around_pa
         Suspicion::Apart,
         Suspicion::Paired,
         Suspicion::Torn,
+        Suspicion::Inside { faces: false, breaks: false },
     ];
     asked.extend(suspicions.map(Reduction::Suspects));
     for reduction in &asked {

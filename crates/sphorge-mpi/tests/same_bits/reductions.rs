@@ -45,6 +45,7 @@ fn found(kind: &dyn EngineKind, deck: &str, changes: &[(&str, &str)]) -> Vec<(St
         Suspicion::Apart,
         Suspicion::Paired,
         Suspicion::Torn,
+        Suspicion::Inside { faces: false, breaks: false },
     ];
     asked.extend(limits.map(Reduction::Suspects));
     for of in &selections {

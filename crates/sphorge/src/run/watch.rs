@@ -52,6 +52,7 @@ pub(super) struct Watch {
     particles_at: Option<u64>,
     pairs_at: Option<u64>,
     pieces_at: Option<u64>,
+    cells_at: Option<u64>,
     /// Size of the first step, s.
     first_step: Option<f64>,
     hopeless_steps: u64,
@@ -120,6 +121,7 @@ impl Watch {
             particles_at: None,
             pairs_at: None,
             pieces_at: None,
+            cells_at: None,
             first_step: None,
             hopeless_steps: 0,
         }
@@ -186,6 +188,8 @@ impl Watch {
             (Aspect::Particles, is_due(self.particles_at, PARTICLE_STEPS)),
             (Aspect::Pairs, pairs && is_due(self.pairs_at, PAIR_STEPS)),
             (Aspect::Pieces, is_open && is_due(self.pieces_at, PIECE_STEPS)),
+            // Cells are known where the deformation is.
+            (Aspect::Cells, !pairs && model.bodies.len() > 1 && is_due(self.cells_at, PAIR_STEPS)),
         ]
         .into_iter()
         .filter_map(|(of, is_due)| is_due.then_some(of))
@@ -198,6 +202,7 @@ impl Watch {
             Aspect::Particles => &mut self.particles_at,
             Aspect::Pairs => &mut self.pairs_at,
             Aspect::Pieces => &mut self.pieces_at,
+            Aspect::Cells => &mut self.cells_at,
         }
     }
 
@@ -328,6 +333,11 @@ impl Watch {
                 pairing.into_iter().chain(self.check(WarningKind::Tearing, |_| (Suspicion::Torn, around))).collect()
             }
             Aspect::Pieces => self.check(WarningKind::Pieces, |_| (Suspicion::Apart, 1.0)).into_iter().collect(),
+            Aspect::Cells => {
+                let (faces, breaks) = (model.has_faces(), model.materials.iter().any(Material::breaks));
+                let check = self.check(WarningKind::Interpenetration, |_| (Suspicion::Inside { faces, breaks }, 1.0));
+                check.into_iter().collect()
+            }
         }
     }
 
@@ -382,7 +392,7 @@ impl Watch {
                     WarningKind::LostNeighbors | WarningKind::Pieces => {
                         share_of(found) - before.get(body).copied().unwrap_or(0.0)
                     }
-                    WarningKind::Pairing => share_of(found),
+                    WarningKind::Pairing | WarningKind::Interpenetration => share_of(found),
                     WarningKind::Tearing => found.suspects as f64 / check.unit,
                     _ => worst.0 / check.unit,
                 };
@@ -494,6 +504,8 @@ enum Aspect {
     Pairs,
     /// Pieces of bodies.
     Pieces,
+    /// Bodies in cells of others.
+    Cells,
 }
 
 /// A check of particles.
@@ -554,6 +566,7 @@ impl Persist for Watch {
         self.particles_at.persist(&of("particles_at"), archive)?;
         self.pairs_at.persist(&of("pairs_at"), archive)?;
         self.pieces_at.persist(&of("pieces_at"), archive)?;
+        self.cells_at.persist(&of("cells_at"), archive)?;
         self.first_step.persist(&of("first_step"), archive)?;
         persist_count(&mut self.hopeless_steps, &of("hopeless_steps"), archive)?;
         let known = self.seen.iter().all(|seen| usize::from(seen.kind) < WarningKind::ALL.len());

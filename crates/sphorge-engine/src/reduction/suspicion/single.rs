@@ -59,7 +59,7 @@ pub enum Standard {
 impl Suspicion {
     /// Whether it looks at every particle by itself, so that [`Self::standard`] and [`Self::number`] say all of it.
     pub fn is_of_single_particles(self) -> bool {
-        !matches!(self, Self::Apart | Self::Paired | Self::Torn)
+        !matches!(self, Self::Apart | Self::Paired | Self::Torn | Self::Inside { .. })
     }
 
     /// One where numbers above the limit are suspicious, the larger the worse; minus one where those below it are.
@@ -110,7 +110,7 @@ impl Suspicion {
             Self::Lonely if material.is_some_and(|material| !can_break(material)) => {
                 of(&[model.dimensions.count() as f64 + 1.0])
             }
-            Self::Lonely | Self::Apart | Self::Paired | Self::Torn => Standard::Unseen,
+            Self::Lonely | Self::Apart | Self::Paired | Self::Torn | Self::Inside { .. } => Standard::Unseen,
         }
     }
 
@@ -145,7 +145,7 @@ impl Suspicion {
                 T::select_lt(zero, of.integrity, depth, zero)
             }
             Self::Lonely => of.neighbors,
-            Self::Apart | Self::Paired | Self::Torn => zero,
+            Self::Apart | Self::Paired | Self::Torn | Self::Inside { .. } => zero,
         }
     }
 }

@@ -4,7 +4,9 @@ use crate::model::{
     NO_HEATING, Numerics, OutputControl, Search, Shape, Solid, SymmetryPlane, Thermal, TimeControl, Transform,
 };
 use crate::reduction::{FieldSource, Reduction, evaluate as reduce};
-use sphorge_physics::{eos::EQUATIONS_OF_STATE, flow::FLOW_LAWS, integrity::INTEGRITY, return_mapping::ReturnRule};
+use sphorge_physics::{
+    eos::EQUATIONS_OF_STATE, flow::FLOW_LAWS, integrity::INTEGRITY, return_mapping::ReturnRule, tensor::identity,
+};
 
 /// Density 8000, sound speed 4000, and for `mie-gruneisen` S = 2, Gamma = 1; specific heat 400; reference temperature 300 K.
 pub(in crate::reduction) fn material(law: &str) -> Material {
@@ -430,4 +432,60 @@ fn any_number_of_threads_finds_the_same() {
     };
     assert_eq!(with(1), with(4));
     assert_eq!(with(1)[2], -96.0);
+}
+
+/// Two blocks side by side, four by four particles each with a spacing of one; the second is moved along x by this.
+fn two_blocks(apart: f64) -> Particles {
+    let place = |k: usize| [(k % 4) as f64, (k / 4 % 4) as f64];
+    let second = |k: usize| [4.0 + apart + place(k)[0], place(k)[1]];
+    let mut p = particles(&(0..16).map(place).chain((0..16).map(second)).collect::<Vec<_>>());
+    p.body = (0..32).map(|k| k / 16).collect();
+    p.deformation = vec![identity(); 32];
+    p
+}
+
+#[test]
+fn what_lies_in_cells_of_another_body_is_inside() {
+    let model = model(vec![material("linear"), material("linear")]);
+    let inside = |p: &Particles| {
+        let found = find(Suspicion::Inside { faces: true, breaks: false }, &model, p);
+        [0, 1].map(|body| (found[body].suspects, found[body].worst.map(|worst| worst.0)))
+    };
+    // Faces that press each other as deep as 0.45 spacings.
+    assert_eq!(inside(&two_blocks(0.0)), [(0, None); 2]);
+    assert_eq!(inside(&two_blocks(-0.45)), [(0, None); 2]);
+    // The first layer of each is inside, 0.4 spacings from the centre of the other's: a fifth of the way from the face to the centre.
+    let [first, second] = inside(&two_blocks(-0.6));
+    assert_eq!((first.0, second.0), (4, 4));
+    assert!((first.1.unwrap() - 0.2).abs() < 1e-12 && (second.1.unwrap() - 0.2).abs() < 1e-12);
+    assert_eq!(inside(&two_blocks(-3.0)).map(|found| found.0), [12, 12]);
+    assert_eq!(inside(&two_blocks(-4.0)).map(|found| found.0), [16, 16]);
+    // Where outermost layers are known they alone may be in each other.
+    let outermost = |mut p: Particles| {
+        let is_at_face = |i: &usize| (i % 4 == 3 && *i < 16) || (i % 4 == 0 && *i >= 16);
+        p.reference_normal = (0..32).map(|i| if is_at_face(&i) { [1.0, 0.0, 0.0] } else { [0.0; 3] }).collect();
+        p
+    };
+    assert_eq!(inside(&outermost(two_blocks(-0.6))), [(0, None); 2]);
+    assert_eq!(inside(&outermost(two_blocks(-1.6))).map(|found| found.0), [8, 8]);
+    // Cells are as their deformation has made them: flat ones of the second block do not reach so far, long ones reach farther.
+    let mut p = two_blocks(-0.6);
+    p.deformation[16..].fill([[0.5, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0]]);
+    assert_eq!(inside(&p).map(|found| found.0), [0, 4]);
+    let mut p = two_blocks(-0.45);
+    p.deformation[16..].fill([[2.0, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 1.0]]);
+    assert_eq!(inside(&p).map(|found| found.0), [4, 0]);
+    // What has come apart has no cells any more, but still can be in those of others.
+    let mut p = two_blocks(-0.6);
+    p.earlier_deformation = vec![identity(); 32];
+    assert_eq!(inside(&p).map(|found| found.0), [4, 4]);
+    p.earlier_deformation[20][0][1] = 0.1;
+    assert_eq!(inside(&p).map(|found| found.0), [0, 4]);
+    // A body of one column, whose box has no width.
+    let mut p = two_blocks(-2.4);
+    p.body[16..].iter_mut().enumerate().for_each(|(k, body)| *body = u32::from(k % 4 == 0));
+    assert_eq!(inside(&p)[1].0, 4);
+    // Without cells nothing is known.
+    p.deformation.clear();
+    assert_eq!(inside(&p), [(0, None); 2]);
 }

@@ -142,6 +142,21 @@ pub(super) fn cure(kind: WarningKind, model: &Model, body: Option<usize>) -> Str
         }
         WarningKind::HourglassWork => "use a smaller spacing: springs take from motion that varies from particle to particle; or lower `search.total-lagrangian.hourglass`".to_owned(),
         WarningKind::LostNeighbors => "numerical fracture: raise `particles.smoothing`, or give the material a `spall-pressure` if it is meant to break".to_owned(),
+        WarningKind::Interpenetration => {
+            let mut ways = Vec::new();
+            match model.contact.strength() {
+                None => ways.push("give them a `contact`".to_owned()),
+                Some(strength) if strength.stiffness < 1.0 => {
+                    ways.push("raise the `stiffness` of the contact to 1, its default".to_owned());
+                }
+                Some(_) => {}
+            }
+            if model.has_facets() {
+                ways.push("let them meet by `contact = { penalty = { surfaces = \"overlap\" } }`".to_owned());
+            }
+            ways.push("use `method = \"updated-lagrangian\"`".to_owned());
+            format!("bodies have passed into each other, so that less momentum was exchanged than is right: {}", joined(&ways))
+        }
         WarningKind::BehindSymmetry => "the body has folded through its image, or has come apart and mixes with it: choose a spacing with the first layer of particles half a spacing from the plane (`sphorge check` suggests some), or use a penalty wall instead of the plane".to_owned(),
     }
 }

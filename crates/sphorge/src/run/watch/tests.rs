@@ -556,3 +556,21 @@ fn what_is_not_conserved_is_told_unless_it_is_next_to_nothing_or_the_form_does_n
     watch.look_at_drift(&model, &lost(0.5, 2.0), CLOCK);
     assert_eq!(watch.count(), 0);
 }
+
+#[test]
+fn cells_are_looked_at_where_there_are_some() {
+    let watch_of = |change: Option<(&str, &str)>| {
+        let change: Vec<_> = change.iter().map(|(path, value)| (path.to_string(), value.to_string())).collect();
+        let text = crate::deck::decks::find("perforation").unwrap().text;
+        let model = crate::deck::load_text("perforation", text, &change).unwrap().model;
+        let mut watch = begun(&model);
+        let asks = watch.asks(&model, CLOCK).unwrap();
+        watch.cells_at = Some(CLOCK.step);
+        let again = watch.asks(&model, CLOCK).unwrap();
+        let are_cells = |asked: &&Reduction| matches!(asked, Reduction::Suspects(Suspicion::Inside { .. }));
+        [asks, again].map(|asks| asks.iter().filter(are_cells).count())
+    };
+    assert_eq!(watch_of(None), [1, 0]);
+    assert_eq!(watch_of(Some(("method", "updated-lagrangian"))), [0, 0]);
+    assert_eq!(watch_of(Some(("warnings.off", "[\"interpenetration\"]"))), [0, 0]);
+}

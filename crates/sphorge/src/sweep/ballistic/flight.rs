@@ -23,8 +23,8 @@ const LAST: f64 = 0.1;
 /// twice as long again to stop.
 const STEADY: f64 = 0.05;
 
-/// Warnings of runs whose energy or momentum is not that of what flew: where it went to or came from, nothing tells what it would have done.
-const DOUBTS: [&str; 7] = [
+/// Warnings of runs whose energy or momentum is not that of what flew, or in which it passed through what it struck: nothing tells what it would have done.
+const DOUBTS: [&str; 8] = [
     "plastic-work",
     "negative-energy",
     "hourglass-work",
@@ -32,6 +32,7 @@ const DOUBTS: [&str; 7] = [
     "contact-energy",
     "energy-drift",
     "momentum-drift",
+    "interpenetration",
 ];
 
 /// What flies: bodies of a deck with one velocity along an axis, and the measure of what is left of it.
