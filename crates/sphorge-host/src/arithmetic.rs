@@ -75,6 +75,12 @@ fn bits(is_set: bool) -> u32 {
     if is_set { u32::MAX } else { 0 }
 }
 
+/// One of two, without a branch: those of many lanes are chosen together.
+#[inline(always)]
+fn either(takes_first: bool, first: u32, second: u32) -> u32 {
+    first & bits(takes_first) | second & !bits(takes_first)
+}
+
 #[inline(always)]
 pub(crate) fn number(bits: u32) -> f32 {
     f32::from_bits(bits)
@@ -123,12 +129,12 @@ pub(crate) fn binary<const AS_GPUS: bool>(operation: Binary, to: &mut Row, mask:
         Binary::Divide => each(to, |k| (number(a[k]) / number(b[k])).to_bits()),
         // On GPUs as `fminf` and `fmaxf` have it.
         Binary::Minimum => each(to, |k| {
-            let takes_first = number(a[k]) < number(b[k]) || AS_GPUS && number(b[k]).is_nan();
-            if takes_first { a[k] } else { b[k] }
+            let takes_first = (number(a[k]) < number(b[k])) | (AS_GPUS & number(b[k]).is_nan());
+            either(takes_first, a[k], b[k])
         }),
         Binary::Maximum => each(to, |k| {
-            let takes_first = number(a[k]) > number(b[k]) || AS_GPUS && number(b[k]).is_nan();
-            if takes_first { a[k] } else { b[k] }
+            let takes_first = (number(a[k]) > number(b[k])) | (AS_GPUS & number(b[k]).is_nan());
+            either(takes_first, a[k], b[k])
         }),
         Binary::Power => call(to, mask, |k| number(a[k]).powf(number(b[k]))),
         Binary::WholeAdd => each(to, |k| a[k].wrapping_add(b[k])),
@@ -144,7 +150,7 @@ pub(crate) fn multiply_add(to: &mut Row, [a, b, c]: [&Row; 3]) {
 
 #[inline(always)]
 pub(crate) fn select_less(to: &mut Row, [a, b, then, otherwise]: [&Row; 4]) {
-    each(to, |k| if number(a[k]) < number(b[k]) { then[k] } else { otherwise[k] });
+    each(to, |k| either(number(a[k]) < number(b[k]), then[k], otherwise[k]));
 }
 
 /// Overwrites lanes that take part.

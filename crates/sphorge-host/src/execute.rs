@@ -54,6 +54,19 @@ struct Fault {
     lane: usize,
 }
 
+/// Writes a register of a machine that is none of those that are read; `spare` stands for it meanwhile. No closure: one is compiled by itself, and then
+/// without the instructions of the processor.
+macro_rules! write {
+    ($own:ident, $spare:ident, $register:expr, |$to:ident| $write:expr) => {{
+        std::mem::swap(&mut $own.registers[$register as usize], &mut $spare);
+        {
+            let $to: &mut Row = &mut $spare;
+            $write;
+        }
+        std::mem::swap(&mut $own.registers[$register as usize], &mut $spare);
+    }};
+}
+
 struct Machine<'a> {
     program: &'a Program,
     buffers: &'a [Buffer<'a>],
@@ -117,14 +130,6 @@ impl<'a> Machine<'a> {
         &self.registers[register as usize]
     }
 
-    /// Writes a register that is none of those that are read; `spare` stands for it meanwhile.
-    #[inline(always)]
-    fn write(&mut self, spare: &mut Box<Row>, to: Register, write: impl FnOnce(&Self, &mut Row)) {
-        std::mem::swap(&mut self.registers[to as usize], spare);
-        write(self, spare);
-        std::mem::swap(&mut self.registers[to as usize], spare);
-    }
-
     #[inline(always)]
     fn execute<O: Observer>(&mut self, observer: &mut O) -> Result<(), Fault> {
         let program = self.program;
@@ -132,40 +137,39 @@ impl<'a> Machine<'a> {
         while let Some(instruction) = program.instructions.get(place) {
             place += 1;
             match *instruction {
-                Instruction::Unary(operation, to, a) => self.write(&mut spare, to, |own, to| {
-                    unary(operation, to, &own.mask, own.row(a));
-                    observer.made(operation.into(), &own.mask, to);
+                Instruction::Unary(operation, to, a) => write!(self, spare, to, |to| {
+                    unary(operation, to, &self.mask, self.row(a));
+                    observer.made(operation.into(), &self.mask, to);
                 }),
-                Instruction::Binary(operation, to, of) => self.write(&mut spare, to, |own, to| {
-                    let of = of.map(|a| own.row(a));
+                Instruction::Binary(operation, to, [a, b]) => write!(self, spare, to, |to| {
+                    let of = [self.row(a), self.row(b)];
                     if O::AS_GPUS {
-                        binary::<true>(operation, to, &own.mask, of);
+                        binary::<true>(operation, to, &self.mask, of);
                     } else {
-                        binary::<false>(operation, to, &own.mask, of);
+                        binary::<false>(operation, to, &self.mask, of);
                     }
-                    observer.made(operation.into(), &own.mask, to);
+                    observer.made(operation.into(), &self.mask, to);
                 }),
-                Instruction::MultiplyAdd(to, of) if O::AS_GPUS => {
-                    self.write(&mut spare, to, |own, to| multiply_add(to, of.map(|a| own.row(a))));
+                Instruction::MultiplyAdd(to, [a, b, c]) if O::AS_GPUS => {
+                    write!(self, spare, to, |to| multiply_add(to, [self.row(a), self.row(b), self.row(c)]));
                 }
-                Instruction::MultiplyAdd(to, [a, b, c]) => self.write(&mut spare, to, |own, to| {
-                    let [a, b, c] = [a, b, c].map(|of| own.row(of));
-                    binary::<false>(Binary::Multiply, to, &own.mask, [a, b]);
-                    observer.made(Kind::SumOrProduct, &own.mask, to);
+                Instruction::MultiplyAdd(to, [a, b, c]) => write!(self, spare, to, |to| {
+                    binary::<false>(Binary::Multiply, to, &self.mask, [self.row(a), self.row(b)]);
+                    observer.made(Kind::SumOrProduct, &self.mask, to);
                     let product = *to;
-                    binary::<false>(Binary::Add, to, &own.mask, [&product, c]);
-                    observer.made(Kind::SumOrProduct, &own.mask, to);
+                    binary::<false>(Binary::Add, to, &self.mask, [&product, self.row(c)]);
+                    observer.made(Kind::SumOrProduct, &self.mask, to);
                 }),
-                Instruction::SelectLess(to, of) => {
-                    observer.chosen(place - 1, || self.mask.less(self.row(of[0]), self.row(of[1])));
-                    self.write(&mut spare, to, |own, to| select_less(to, of.map(|a| own.row(a))));
+                Instruction::SelectLess(to, [a, b, c, d]) => {
+                    observer.chosen(place - 1, || self.mask.less(self.row(a), self.row(b)));
+                    write!(self, spare, to, |to| select_less(to, [self.row(a), self.row(b), self.row(c), self.row(d)]));
                 }
                 Instruction::Assign { variable, value } => {
-                    self.write(&mut spare, variable, |own, to| assign(to, &own.mask, own.row(value)));
+                    write!(self, spare, variable, |to| assign(to, &self.mask, self.row(value)));
                 }
                 Instruction::Load { to, buffer, at } => {
-                    let mut is_beyond = false;
-                    self.write(&mut spare, to, |own, to| is_beyond = own.load(to, buffer, at));
+                    let is_beyond;
+                    write!(self, spare, to, |to| is_beyond = self.load(to, buffer, at));
                     if is_beyond {
                         return Err(self.fault(buffer, at));
                     }
@@ -221,7 +225,7 @@ impl<'a> Machine<'a> {
                     if going_on.is_empty {
                         place = exit as usize;
                     } else {
-                        self.write(&mut spare, counter, |own, to| *to = *own.row(first));
+                        write!(self, spare, counter, |to| *to = *self.row(first));
                         self.outer.push(std::mem::replace(&mut self.mask, going_on));
                     }
                 }
