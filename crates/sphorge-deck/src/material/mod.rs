@@ -1,10 +1,13 @@
 //! Materials: published constants shipped with the program, and what makes a complete material of constants.
 
 mod advice;
+mod breaking;
 mod build;
 mod catalogue;
 mod constants;
 mod listing;
+mod plausible;
+mod poisson;
 mod read;
 
 pub use catalogue::{catalogue, find};
