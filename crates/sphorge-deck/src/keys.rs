@@ -4,11 +4,12 @@
 use super::declare::Read;
 use super::expected::{Expected, Form, Key, lines};
 use super::fault::{Entries, Fault, Problems};
+use super::foreign;
 use super::raw::RawDeck;
 use super::suggest::{listed, nearest};
 use super::written::{self, Content, Written, key_span};
 use std::ops::Range;
-use toml_edit::{Table, TableLike};
+use toml_edit::{Item, Table, TableLike};
 
 /// What is expected of a whole deck.
 pub(crate) const DECK: &Expected = RawDeck::EXPECTED;
@@ -82,7 +83,12 @@ fn check(written: Written<'_>, expected: &Expected, key: Option<&Key>, path: &st
         Content::Scalar(_) => Form::Scalar,
     };
     if !expected.allows(form) {
-        problems.push(wrong_form(form, expected, key, path, written.span()));
+        let fault = wrong_form(form, expected, key, path, written.span());
+        let has_two_brackets = matches!(written, Written::Item(Item::ArrayOfTables(_)));
+        problems.push(match has_two_brackets && expected.allows(Form::Table) {
+            true => fault.help(format!("there is one such table, and a single table has one bracket: [{path}]")),
+            false => fault,
+        });
         return false;
     }
     match content {
@@ -239,8 +245,8 @@ fn wrong_form(found: Form, expected: &Expected, key: Option<&Key>, path: &str, a
         Fault::new("wrong-type", format!("`{path}` must be {}", wanted(expected)), at, format!("found {found}"));
     match key {
         // A list of tables has two brackets.
-        Some(key) if found == "a table" && expected.item(0).is_some_and(|entry| !entry.keys().is_empty()) => {
-            fault.help(format!("a list of tables has two brackets: [[{}]]", key.name))
+        Some(_) if found == "a table" && expected.item(0).is_some_and(|entry| !entry.keys().is_empty()) => {
+            fault.help(format!("a list of tables has two brackets: [[{path}]]"))
         }
         _ => with_example(fault, key),
     }
@@ -284,6 +290,9 @@ pub(crate) fn unknown(name: &str, expected: &Expected, path: &str) -> Unknown {
     if let Some(radius) = half {
         let help = format!("write `{radius}`, half of it. Known keys: {}.", listed(options, "and"));
         return Unknown { message, help, meant: Some(radius) };
+    }
+    if let Some(instead) = foreign::instead(name, path) {
+        return Unknown { message, help: format!("{instead}Known keys: {}.", listed(options, "and")), meant: None };
     }
     // A key that is right elsewhere is meant, rather than one that looks alike here.
     let elsewhere = along(name, expected, path).or_else(|| {

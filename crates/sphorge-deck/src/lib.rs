@@ -15,6 +15,7 @@ pub(crate) mod defaults;
 mod driven;
 mod expected;
 mod fault;
+mod foreign;
 mod heat;
 mod impacts;
 mod interpret;

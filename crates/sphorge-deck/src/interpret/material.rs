@@ -2,7 +2,7 @@
 
 use crate::declare::Named;
 use crate::fault::{Fault, Problems};
-use crate::material::{Constants, Incomplete, advice, build, constants, entries, entry};
+use crate::material::{Constants, Incomplete, advice, build, constants, entries, entry, places};
 use crate::printable::is_printable;
 use crate::raw::RawMaterial;
 use crate::suggest::{did_you_mean, like, listed};
@@ -23,6 +23,8 @@ struct Own {
     base: Option<String>,
     base_at: Range<usize>,
     at: Range<usize>,
+    /// Where its constants stand.
+    places: BTreeMap<String, Range<usize>>,
     /// Whether some of its constants could not be read: what it then lacks is told already.
     is_spoiled: bool,
 }
@@ -52,7 +54,10 @@ impl Library {
             let before = problems.count();
             let constants = constants(material, problems);
             let is_spoiled = problems.count() > before;
-            own.insert(name.get_ref().clone(), Own { constants, base, base_at, at: name.span(), is_spoiled });
+            own.insert(
+                name.get_ref().clone(),
+                Own { constants, base, base_at, at: name.span(), places: places(material), is_spoiled },
+            );
         }
         let library = Self { own };
         for (name, material) in &library.own {
@@ -91,15 +96,18 @@ impl Library {
 
     /// Whether constants of a material or its bases could not be read.
     fn is_spoiled(&self, name: &str) -> bool {
-        let mut next = self.own.get(name);
-        for _ in 0..LONGEST_CHAIN {
-            let Some(own) = next else { return false };
-            if own.is_spoiled {
-                return true;
-            }
-            next = own.base.as_ref().and_then(|base| self.own.get(base));
-        }
-        false
+        self.chain(name).any(|own| own.is_spoiled)
+    }
+
+    /// A material of the deck and those it is based on, as far as the deck has them.
+    fn chain(&self, name: &str) -> impl Iterator<Item = &Own> {
+        let base = |own: &&Own| own.base.as_ref().and_then(|base| self.own.get(base));
+        std::iter::successors(self.own.get(name), base).take(LONGEST_CHAIN)
+    }
+
+    /// Where the deck gives a constant of a material: itself, or what it is based on.
+    fn place(&self, name: &str, key: &str) -> Option<Range<usize>> {
+        self.chain(name).find_map(|own| own.places.get(key).cloned())
     }
 
     /// The constants of a material with those of its bases; `None` for an unknown or circular one, or a chain too long.
@@ -187,7 +195,7 @@ impl<'a> Chosen<'a> {
         let material = build(name, &constants).map_err(|incomplete| {
             // What a constant that cannot be read leaves out is no fault of its own.
             if !is_spoiled {
-                report(name, incomplete, word, own, problems);
+                report(name, incomplete, word, self.library, problems);
             }
         });
         let material = material.ok();
@@ -327,25 +335,34 @@ impl<'a> Chosen<'a> {
     }
 }
 
-fn report(name: &str, incomplete: Incomplete, word: &Word, own: Option<&Own>, problems: &mut Problems) {
-    let place = |code, message: String| {
-        let fault = match own {
-            Some(own) => Fault::new(code, message, own.at.clone(), "this material").also(word.span(), "used here"),
-            None => Fault::new(code, message, word.span(), "a material of the catalogue, to be completed"),
-        };
-        let base = if own.is_none() { "; such a table starts from the catalogue's constants" } else { "" };
-        (fault, base)
+fn report(name: &str, incomplete: Incomplete, word: &Word, library: &Library, problems: &mut Problems) {
+    let own = library.own.get(name);
+    // What the user wrote of it comes first, else where the material begins.
+    let place = |code, message: String, keys: &[&str], label: &str| {
+        let mut written = keys.iter().filter_map(|key| library.place(name, key));
+        match (written.next(), own) {
+            (Some(first), _) => {
+                let fault = Fault::new(code, message, first, label);
+                written.fold(fault, |fault, at| fault.also(at, "and this")).also(word.span(), "used here")
+            }
+            (None, Some(own)) => {
+                Fault::new(code, message, own.at.clone(), "this material").also(word.span(), "used here")
+            }
+            (None, None) => Fault::new(code, message, word.span(), "a material of the catalogue, to be completed"),
+        }
     };
     match incomplete {
         Incomplete::Inconsistent(of) => {
-            let (fault, _) = place("inconsistent", format!("material `{name}`: {}", of.message));
+            let keys: Vec<&str> = of.keys.iter().map(String::as_str).collect();
+            let fault = place("inconsistent", format!("material `{name}`: {}", of.message), &keys, "this");
             problems.push(fault.help(of.help));
         }
         Incomplete::Missing(missing) => {
+            let base = if own.is_none() { "; such a table starts from the catalogue's constants" } else { "" };
             for constant in missing {
                 let law = constant.law.map(|l| format!(", which `{l}` needs")).unwrap_or_default();
-                let (fault, base) =
-                    place("missing-constant", format!("material `{name}` has no `{}`{law}", constant.key));
+                let message = format!("material `{name}` has no `{}`{law}", constant.key);
+                let fault = place("missing-constant", message, &[constant.beside], "this needs it");
                 let table =
                     if constant.table.is_empty() { name.to_owned() } else { format!("{name}.{}", constant.table) };
                 let help = format!("add `{}`, {}, to [material.{table}]{base}", constant.key, constant.meaning);

@@ -1,17 +1,12 @@
 //! What a user should know of a material that can be used.
 
+use super::breaking::breaking;
 use super::constants::Constants;
+use super::plausible::implausible;
+use super::poisson::{OF_METALS, STATED_NEARLY, nearly_incompressible, poisson_ratio, ratio_of_waves};
+use crate::suggest::listed;
 use sphorge_engine::model::Material;
-use sphorge_physics::SymmetricTensor;
-use sphorge_physics::damage::{DamageState, Softening};
 use sphorge_physics::flow::FlowState;
-
-/// Poisson's ratios of metals: uranium has 0.20, lead 0.44. Beryllium alone has far less, 0.05.
-const OF_METALS: (f64, f64) = (0.20, 0.45);
-
-/// How far Poisson's ratio of bulk and shear modulus may be from the one a material states, and how far where it shows which unit is meant.
-const STATED_WITHIN: f64 = 0.03;
-const STATED_NEARLY: f64 = 0.1;
 
 /// One sentence for each thing that is probably not meant.
 pub(crate) fn advice(constants: &Constants, material: &Material) -> Vec<String> {
@@ -20,8 +15,18 @@ pub(crate) fn advice(constants: &Constants, material: &Material) -> Vec<String> 
     // What a wrong density or modulus leads to is not told.
     let has_slip = slip.is_some() || odd.iter().any(|note| note.contains("that of no matter"));
     let ratio = if has_slip { None } else { poisson_ratio(constants, material) };
+    let is_odd = |what: &&str| odd.iter().any(|note| note.contains(&format!("its {what} of")));
+    let has_moduli =
+        slip.is_none() && !["density", "shear modulus", "speed of sound", "`sound-speed`"].iter().any(is_odd);
+    let told_of_constants = implausible(material, constants, has_moduli);
     let told = slip.into_iter().chain(ratio).chain(temperature(material));
-    told.chain(odd).chain(breaking(material)).collect()
+    // What follows from a constant that has been told is not.
+    let has_odd_law = material.damage.is_some_and(|damage| {
+        let names = [format!("of `{}`", damage.law.key()), "`minimum-failure-strain`".to_owned()];
+        told_of_constants.iter().any(|note| names.iter().any(|name| note.contains(name)))
+    });
+    let of_breaking = breaking(material, !has_odd_law);
+    told.chain(odd).chain(told_of_constants).chain(of_breaking).collect()
 }
 
 /// Densities of metals, kg/m^3, from below lithium's to above osmium's.
@@ -73,51 +78,10 @@ fn slip_of_unit(constants: &Constants, material: &Material) -> Option<String> {
 }
 
 /// Stress at which a material yields as it starts, Pa, if it does.
-fn flow_stress(material: &Material) -> Option<f64> {
+pub(super) fn flow_stress(material: &Material) -> Option<f64> {
     let history: Vec<f64> = material.flow_law.history().iter().map(|variable| variable.initial).collect();
     let yields = material.flow_law.yield_stress(FlowState::at_rest(material.reference_temperature), &history).value;
     (material.flow_law.yields() && yields.is_finite()).then_some(yields)
-}
-
-/// Largest triaxiality that is looked at: notches and the front of cracks have less.
-const LARGEST_TRIAXIALITY: f64 = 3.0;
-
-/// What of the way a material breaks is probably not meant.
-fn breaking(material: &Material) -> Vec<String> {
-    let Some(damage) = material.damage else { return Vec::new() };
-    let (name, law) = (&material.name, damage.law.key());
-    let mut told = Vec::new();
-    let of_stress = damage.law.strength().is_some();
-    if !of_stress && !material.flow_law.yields() {
-        told.push(format!(
-            "material `{name}`: `damage = \"{law}\"` grows with the plastic strain, which `strength = \"{}\"` has none of: it never breaks",
-            material.flow_law.key()
-        ));
-    }
-    let pulled = |triaxiality: f64| DamageState {
-        deviator: SymmetricTensor::diagonal(2.0 / 3.0, -1.0 / 3.0, -1.0 / 3.0),
-        pressure: -triaxiality,
-        von_mises: 1.0,
-        triaxiality,
-        rate: 0.0,
-        temperature: material.reference_temperature,
-    };
-    let is_least = |triaxiality: &f64| damage.law.growth(&pulled(*triaxiality)) * damage.smallest_strain > 1.0;
-    let first = (0..=300).map(|k| f64::from(k) * LARGEST_TRIAXIALITY / 300.0).find(is_least);
-    if let Some(triaxiality) = first.filter(|_| !of_stress) {
-        told.push(format!(
-            "material `{name}`: from a triaxiality of {triaxiality:.2} on the failure strain of `{law}` is below \
-             `minimum-failure-strain`, {}, which counts there",
-            damage.smallest_strain
-        ));
-    }
-    if let Softening::Share(_) = damage.softening {
-        told.push(format!(
-            "material `{name}`: what a crack takes depends on the spacing, because its integrity falls over a share of the failure strain: give \
-             `fracture-energy` or `softening-displacement`, or compare several spacings"
-        ));
-    }
-    told
 }
 
 /// Constants beyond those of any solid or liquid by a factor of ten and more, which are slips of a unit.
@@ -126,25 +90,35 @@ fn beyond_matter(constants: &Constants, material: &Material, has_slip: bool) -> 
     let heat = if material.heats() { material.specific_heat } else { 1000.0 };
     let given = |value: f64, (least, most): (f64, f64)| value == 0.0 || (least..=most).contains(&value);
     let values = [
-        ("density", material.density, (1.0, 3e5), "kg/m^3"),
-        ("shear modulus", material.shear_modulus, (1.0, 1e13), "Pa"),
-        ("speed of sound", sound_speed, (15.0, 3e4), "m/s"),
-        ("specific heat", heat, (10.0, 2e4), "J/(kg K)"),
+        ("density", material.density, (1.0, 3e5), "kg/m^3", "steel has \"7850 kg/m^3\", which is \"7.85e-9 t/mm^3\""),
+        ("shear modulus", material.shear_modulus, (1.0, 1e13), "Pa", "steel has \"80 GPa\""),
+        ("speed of sound", sound_speed, (15.0, 3e4), "m/s", "steel has \"4600 m/s\""),
+        ("specific heat", heat, (10.0, 2e4), "J/(kg K)", "steel has \"450 J/(kg K)\""),
         // Air has 0.026, diamond 3000.
-        ("conductivity", material.conductivity, (1e-3, 1e4), "W/(m K)"),
-        ("reference temperature", material.reference_temperature, (0.0, 1e5), "K"),
+        ("conductivity", material.conductivity, (1e-3, 1e4), "W/(m K)", "steel has \"45 W/(m K)\""),
+        ("reference temperature", material.reference_temperature, (0.0, 1e5), "K", "a room has \"20 degC\""),
     ];
-    let odd = values.into_iter().filter(|(_, value, range, _)| !given(*value, *range));
+    let odd = values.into_iter().filter(|(_, value, range, ..)| !given(*value, *range));
     // A speed of sound follows from the density and the moduli.
     let is_dense =
-        has_slip || values.iter().any(|(name, value, range, _)| *name == "density" && !given(*value, *range));
+        has_slip || values.iter().any(|(name, value, range, ..)| *name == "density" && !given(*value, *range));
+    let soft = nearly_incompressible(constants, material);
+    let follows = is_dense || soft.is_some();
     let mut told: Vec<String> = odd
-        .filter(|(name, ..)| !is_dense || *name != "speed of sound")
+        .filter(|(name, ..)| !follows || *name != "speed of sound")
         .filter(|(name, ..)| !has_slip || *name != "shear modulus")
-        .map(|(name, value, _, unit)| {
+        .map(|(name, value, _, unit, example)| {
+            // A speed that the user wrote, or one that follows.
+            let written = constants.equation_of_state.as_ref().and_then(|law| law.get("sound-speed"));
+            let (name, unit) = match (name, written) {
+                ("speed of sound", Some(_)) => ("`sound-speed`".to_owned(), unit.to_owned()),
+                ("speed of sound", None) => {
+                    (name.to_owned(), format!("{unit}, by density and {},", listed(constants.elastic.keys(), "and")))
+                }
+                _ => (name.to_owned(), unit.to_owned()),
+            };
             format!(
-                "material `{}`: its {name} of {value:.3e} {unit} is that of no matter: check the unit; a number without one is in SI, and steel \
-                 has \"7.85e-9 t/mm^3\" and \"210 GPa\"",
+                "material `{}`: its {name} of {value:.3e} {unit} is that of no matter: check the unit; a number without one is in SI, and {example}",
                 material.name
             )
         })
@@ -159,6 +133,9 @@ fn beyond_matter(constants: &Constants, material: &Material, has_slip: bool) -> 
             yields / material.shear_modulus
         ));
     }
+    if !has_slip {
+        told.extend(soft);
+    }
     let stated = constants.elastic.completed().and_then(|elastic| elastic.poisson);
     if let Some(nu) = stated.filter(|nu| *nu < 0.0) {
         told.push(format!(
@@ -167,38 +144,6 @@ fn beyond_matter(constants: &Constants, material: &Material, has_slip: bool) -> 
         ));
     }
     told
-}
-
-/// Poisson's ratio of waves: bulk modulus `rho_0 c_0^2` of the pressure law and shear modulus `G` come from different tables, and
-/// may belong to different metals. `nu = (3 K - 2 G) / (2 (3 K + G))`.
-fn ratio_of_waves(material: &Material) -> f64 {
-    let (bulk, shear) =
-        (material.density * material.equation_of_state.reference_sound_speed().powi(2), material.shear_modulus);
-    (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear))
-}
-
-/// That ratio where it is none of a metal, or not the one a material states.
-fn poisson_ratio(constants: &Constants, material: &Material) -> Option<String> {
-    if material.shear_modulus == 0.0 {
-        return None;
-    }
-    let nu = ratio_of_waves(material);
-    let given =
-        format!("material `{}`: its pressure law and shear modulus give Poisson's ratio {nu:.2}", material.name);
-    match constants.elastic.completed().and_then(|elastic| elastic.poisson) {
-        Some(stated) => ((nu - stated).abs() > STATED_WITHIN).then(|| {
-            format!("{given}, its elastic constants give {stated:.2}: one of them may belong to another metal")
-        }),
-        None => {
-            let (least, most) = OF_METALS;
-            (material.flow_law.yields() && !(least..=most).contains(&nu)).then(|| {
-                format!(
-                    "{given}; metals have {least:.2} to {most:.2}: one of them may belong to another metal; add `poisson-ratio` beside \
-                     `shear-modulus` if the value is intended"
-                )
-            })
-        }
-    }
 }
 
 /// Without a specific heat work does not heat. That is chosen where no work turns to heat at all.
@@ -221,32 +166,6 @@ mod tests {
 
     fn advice_of(constants: &Constants) -> Vec<String> {
         advice(constants, &build("metal", constants).unwrap())
-    }
-
-    #[test]
-    fn moduli_of_different_metals_are_told() {
-        // Armco iron of the papers: K = 7890 3630^2 = 103.97 GPa, G = 80 GPa: 151.90/783.8 = 0.194.
-        let iron = entry("armco-iron").unwrap().clone();
-        let told = advice_of(&iron);
-        assert!(told.len() == 1 && told[0].contains("ratio 0.19; metals have 0.20 to 0.45"), "{told:?}");
-        // G = 78 GPa: 155.9/779.8 = 0.1999, G = 77.9 GPa: 156.1/779.6 = 0.2002; G = 10.7 GPa: 0.4504, G = 10.8 GPa: 0.4498.
-        for (shear, is_told) in [(78.0e9, true), (77.9e9, false), (10.8e9, false), (10.7e9, true)] {
-            let mut other = iron.clone();
-            other.elastic.shear = Some(shear);
-            assert_eq!(advice_of(&other).len(), usize::from(is_told), "{shear}");
-        }
-        // Stated, it is what counts: 0.194 is within 0.03 of 0.20, not of 0.29.
-        for (poisson, is_told) in [(0.20, false), (0.29, true), (0.16, true)] {
-            let mut stated = iron.clone();
-            stated.elastic.poisson = Some(poisson);
-            let told = advice_of(&stated);
-            assert_eq!(told.len(), usize::from(is_told), "{told:?}");
-            assert!(told.iter().all(|text| text.contains("ratio 0.19, its elastic constants")), "{told:?}");
-        }
-        // What never yields is no metal.
-        let mut rubber = iron;
-        rubber.strength = entry("rubber-plate").unwrap().strength.clone();
-        assert_eq!(advice_of(&rubber), Vec::<String>::new());
     }
 
     #[test]
@@ -355,32 +274,6 @@ mod tests {
         // Magnesium, by what it bears.
         let told = notes_of("1740", "\"45 MPa\"", linear, yields);
         assert!(told.len() == 1 && told[0].contains("is \"45 GPa\" meant?"), "{told:?}");
-    }
-
-    #[test]
-    fn what_is_doubtful_about_breaking_is_told() {
-        let law = |key: &str, values: &[(&'static str, f64)]| {
-            let law = sphorge_physics::damage::DAMAGE_LAWS.iter().position(|entry| entry.key == key).unwrap();
-            Some(super::super::constants::LawConstants { law, values: values.to_vec() })
-        };
-        let mut copper = entry("ofhc-copper").unwrap().clone();
-        (copper.damage, copper.breaks) = (law("failure-strain", &[("strain", 0.5)]), true);
-        let told = advice_of(&copper);
-        assert!(told.len() == 1 && told[0].contains("what a crack takes depends on the spacing"), "{told:?}");
-        copper.softening.energy = Some(2e4);
-        assert_eq!(advice_of(&copper), Vec::<String>::new());
-        // -0.77 + 1.45 exp(-0.47 eta) is 0.05 at eta = 1.213, and 0.001 at 1.345.
-        copper.damage = law("johnson-cook", &[("D1", -0.77), ("D2", 1.45), ("D3", -0.47)]);
-        let told = advice_of(&copper);
-        assert!(told.len() == 1 && told[0].contains("from a triaxiality of 1.35 on"), "{told:?}");
-        copper.minimum_failure_strain = Some(0.05);
-        assert!(advice_of(&copper)[0].contains("from a triaxiality of 1.22 on"), "{:?}", advice_of(&copper));
-        let mut rubber = entry("copper-elastic").unwrap().clone();
-        (rubber.damage, rubber.breaks, rubber.softening.energy) = (law("hancock-mackenzie", &[]), true, Some(1e3));
-        let told = advice_of(&rubber);
-        assert!(told.len() == 1 && told[0].contains("it never breaks"), "{told:?}");
-        rubber.damage = law("principal-stress", &[("strength", 1e9)]);
-        assert_eq!(advice_of(&rubber), Vec::<String>::new());
     }
 
     #[test]

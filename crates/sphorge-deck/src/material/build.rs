@@ -23,6 +23,8 @@ pub(crate) struct Missing {
     pub(crate) law: Option<&'static str>,
     /// What it is, with its unit.
     pub(crate) meaning: String,
+    /// Key of the material that asks for it, where a user may have written one.
+    pub(crate) beside: &'static str,
 }
 
 /// Why constants do not make a material.
@@ -39,41 +41,107 @@ pub(crate) enum Incomplete {
 pub(crate) struct Inconsistent {
     pub(crate) message: String,
     pub(crate) help: String,
+    /// Keys of the material that have to do with it: `young-modulus`, or `strength.B` for a constant of its law.
+    pub(crate) keys: Vec<String>,
 }
 
 impl Inconsistent {
-    fn of(message: impl Into<String>, help: impl Into<String>) -> Incomplete {
-        Incomplete::Inconsistent(Self { message: message.into(), help: help.into() })
+    fn of(message: impl Into<String>, help: impl Into<String>, keys: &[&str]) -> Incomplete {
+        let keys = keys.iter().map(|key| (*key).to_owned()).collect();
+        Incomplete::Inconsistent(Self { message: message.into(), help: help.into(), keys })
     }
 
-    /// What a law says against its constants. Its own message names keys alone; which of them is wrong their values tell.
-    fn of_law<L>(entry: &LawEntry<L>, message: &str, values: &[f64]) -> Incomplete {
-        let told = entry.parameters.iter().zip(values).map(|(parameter, value)| {
-            let unit = parameter.quantity.si_unit();
-            let is_short = *value == 0.0 || (1e-3..1e5).contains(&value.abs());
-            let value = if is_short { format!("{value} {unit}") } else { format!("{value:e} {unit}") };
-            format!("`{}` is {}", parameter.key, value.trim_end())
-        });
-        let told: Vec<String> = told.collect();
-        let help = format!("{}; check the units: a number without one is in SI", told.join(", "));
-        Self::of(format!("{}: {message}", entry.key), help)
+    /// What a law, at the key `kind`, says against its constants. Its own message names keys alone; which of them is wrong their values tell.
+    fn of_law<L>(
+        entry: &LawEntry<L>,
+        kind: &str,
+        message: &str,
+        (given, constants): (&LawConstants, &Constants),
+        values: &[f64],
+    ) -> Incomplete {
+        let words: Vec<&str> = message.split(|c: char| !c.is_ascii_alphanumeric() && c != '-').collect();
+        let named = entry.parameters.iter().zip(values).filter(|(parameter, _)| words.contains(&parameter.key));
+        let (mut told, mut keys, mut has_units) = (Vec::new(), Vec::new(), false);
+        for (Parameter { key, quantity, .. }, value) in named {
+            let mut told_of = format!("`{key}` is {}", super::shown(*value, quantity.si_unit()));
+            if given.get(key).is_some() {
+                keys.push(format!("{kind}.{key}"));
+            } else {
+                let (whence, from) = source(key, constants);
+                told_of += &whence;
+                keys.extend(from);
+            }
+            told.push(told_of);
+            has_units |= !quantity.si_unit().is_empty();
+        }
+        let units = if has_units { "; check the units: a number without one is in SI" } else { "" };
+        let (message, help) = (format!("{}: {message}", entry.key), format!("{}{units}", told.join(", ")));
+        Incomplete::Inconsistent(Self { message, help, keys })
+    }
+
+    /// A sound speed that leaves no second elastic constant.
+    fn of_sound(constants: &Constants, law: &EquationOfState<f64>, density: f64) -> Incomplete {
+        let sound = law.reference_sound_speed();
+        let given = [
+            ("young-modulus", constants.elastic.young, "Pa"),
+            ("poisson-ratio", constants.elastic.poisson, ""),
+            ("shear-modulus", constants.elastic.shear, "Pa"),
+        ];
+        let (key, value) = given
+            .into_iter()
+            .find_map(|(key, value, unit)| Some((key, super::shown(value?, unit))))
+            .unwrap_or_default();
+        let message = format!(
+            "`sound-speed` of {} and `density` of {} make a bulk modulus of {:.3e} Pa, which `{key}` of {value} does not go with",
+            super::shown(sound, "m/s"),
+            super::shown(density, "kg/m^3"),
+            density * sound * sound
+        );
+        let help = "check the units: a number without one is in SI, and sound speeds of metals are 1 to 13 km/s";
+        Self::of(message, help, &["equation-of-state.sound-speed", key])
     }
 }
 
-fn missing_key(key: &'static str, meaning: &str, law: Option<&'static str>) -> Missing {
-    Missing { key, table: String::new(), law, meaning: meaning.to_owned() }
+/// Where a constant that a law does not give comes from: in words, after its value, and the keys of the material.
+fn source(key: &str, constants: &Constants) -> (String, Vec<String>) {
+    let elastic = constants.elastic.keys();
+    match key {
+        "young-modulus" if constants.elastic.young.is_none() => {
+            let sound = constants.equation_of_state.as_ref().and_then(|law| law.get("sound-speed"));
+            let mut from: Vec<String> = elastic.iter().map(|key| (*key).to_owned()).collect();
+            let mut named: Vec<String> = from.iter().map(|key| format!("`{key}`")).collect();
+            if let Some(sound) = sound.filter(|_| from.len() < 2) {
+                named.insert(0, format!("`sound-speed` of {}", super::shown(sound, "m/s")));
+                from.insert(0, "equation-of-state.sound-speed".to_owned());
+            }
+            (format!(" (from {})", named.join(" and ")), from)
+        }
+        "reference-temperature" if constants.reference_temperature.is_none() => {
+            (" (by default)".to_owned(), Vec::new())
+        }
+        "young-modulus" | "density" | "reference-temperature" => (String::new(), vec![key.to_owned()]),
+        "melting-temperature" | "reference-strain-rate" => {
+            (" (of the flow law)".to_owned(), vec![format!("strength.{key}")])
+        }
+        _ => (" (by default)".to_owned(), Vec::new()),
+    }
+}
+
+fn missing_key(key: &'static str, meaning: &str, law: Option<&'static str>, beside: &'static str) -> Missing {
+    Missing { key, table: String::new(), law, meaning: meaning.to_owned(), beside }
 }
 
 /// The values of a law in the order of its parameters: given, derived from the material, or the default.
 fn values<L>(
     entry: &LawEntry<L>,
-    table: &str,
+    table: &'static str,
     given: &LawConstants,
     derived: &dyn Fn(&str) -> Option<f64>,
     missing: &mut Vec<Missing>,
 ) -> Option<Vec<f64>> {
     let value = |p: &Parameter| given.get(p.key).or_else(|| derived(p.key)).or(p.default);
     let before = missing.len();
+    let beside = table;
     for parameter in entry.parameters.iter().filter(|p| value(p).is_none()) {
         let unit = parameter.quantity.si_unit();
         let unit = if unit.is_empty() { "a pure number".to_owned() } else { format!("in {unit}") };
@@ -84,6 +152,7 @@ fn values<L>(
             table,
             law: Some(entry.key),
             meaning: format!("{} ({}), {unit}", parameter.meaning, parameter.symbol),
+            beside,
         });
     }
     (missing.len() == before).then(|| entry.parameters.iter().filter_map(value).collect())
@@ -96,11 +165,12 @@ pub(crate) fn build(name: &str, constants: &Constants) -> Result<Material, Incom
         return Err(Inconsistent::of(
             "more than two elastic constants are given, and two define the others",
             "keep two of `young-modulus`, `shear-modulus`, `bulk-modulus` and `poisson-ratio`; those of a `base` count, too",
+            &constants.elastic.keys(),
         ));
     }
     let density = constants.density;
     if density.is_none() {
-        missing.push(missing_key("density", "density at rest, in kg/m^3", None));
+        missing.push(missing_key("density", "density at rest, in kg/m^3", None, ""));
     }
     let reference_temperature = constants.reference_temperature.unwrap_or(defaults::REFERENCE_TEMPERATURE);
     let elastic = constants.elastic.completed();
@@ -108,6 +178,7 @@ pub(crate) fn build(name: &str, constants: &Constants) -> Result<Material, Incom
         return Err(Inconsistent::of(
             format!("the elastic constants give Poisson's ratio {nu:.4}; it must be above -1 and below 0.5"),
             "check their units: a number without one is in Pa; Young's modulus of a metal is about 2.6 times its shear modulus",
+            &constants.elastic.keys(),
         ));
     }
 
@@ -116,9 +187,18 @@ pub(crate) fn build(name: &str, constants: &Constants) -> Result<Material, Incom
     let linear = LawConstants::default();
     let state = constants.equation_of_state.as_ref().unwrap_or(&linear);
     let state_entry = &EQUATIONS_OF_STATE[state.law];
-    let state_values = if constants.equation_of_state.is_none() && bulk.is_none() {
-        let meaning = "pressure law; or give two elastic constants for the linear one";
-        missing.push(missing_key("equation-of-state", meaning, None));
+    let lacks_pressure = constants.equation_of_state.is_none() && bulk.is_none();
+    let lacks_second = lacks_pressure && constants.elastic.count() == 1;
+    let state_values = if lacks_pressure {
+        missing.push(match constants.elastic.keys()[..] {
+            // What is asked for is the second of two.
+            ["poisson-ratio"] => missing_key("young-modulus", "Young's modulus (E), in Pa", None, "poisson-ratio"),
+            [given] => missing_key("poisson-ratio", "Poisson's ratio (nu), a pure number: steel has 0.3", None, given),
+            _ => {
+                let meaning = "pressure law; or give two elastic constants for the linear one";
+                missing_key("equation-of-state", meaning, None, "")
+            }
+        });
         None
     } else {
         let derived = |key: &str| match (key, state_entry.key) {
@@ -132,25 +212,25 @@ pub(crate) fn build(name: &str, constants: &Constants) -> Result<Material, Incom
     };
     let state_values = state_values.filter(|_| density.is_some());
     if let Some((values, message)) = state_values.as_ref().and_then(|v| Some((v, (state_entry.check)(v)?))) {
-        return Err(Inconsistent::of_law(state_entry, message, values));
+        return Err(Inconsistent::of_law(state_entry, "equation-of-state", message, (state, constants), values));
     }
     let equation_of_state = state_values.map(|v| (state_entry.build)(&v));
 
     // With one elastic constant given, the bulk modulus of the pressure law is the second.
     let elastic = elastic.or_else(|| with_bulk_modulus(constants.elastic, equation_of_state.as_ref(), density));
     let Some(strength) = &constants.strength else {
-        missing.push(missing_key("strength", "flow law, for example \"elastic\"", None));
+        missing.push(missing_key("strength", "flow law, for example \"elastic\"", None, ""));
         return Err(Incomplete::Missing(missing));
     };
     let flow_entry = &FLOW_LAWS[strength.law];
     let derived = |key: &str| match key {
-        "young-modulus" => elastic?.young,
+        "young-modulus" => elastic.and_then(|elastic| elastic.young).or(constants.elastic.young),
         "reference-temperature" => Some(reference_temperature),
         _ => None,
     };
     let flow_values = values(flow_entry, "strength", strength, &derived, &mut missing);
     if let Some((values, message)) = flow_values.as_ref().and_then(|v| Some((v, (flow_entry.check)(v)?))) {
-        return Err(Inconsistent::of_law(flow_entry, message, values));
+        return Err(Inconsistent::of_law(flow_entry, "strength", message, (strength, constants), values));
     }
     let flow_law = flow_values.map(|v| (flow_entry.build)(&v));
     let of_flow = (
@@ -164,13 +244,23 @@ pub(crate) fn build(name: &str, constants: &Constants) -> Result<Material, Incom
         return Err(Inconsistent::of(
             message,
             "choose a `strength` that yields, or \"elastic\", or leave `damage` out",
+            &["damage", "strength"],
         ));
     }
     let has_shear = flow_law.as_ref().is_none_or(|law| law.has_shear());
     let shear_modulus = if has_shear { elastic.and_then(|e| e.shear).or(constants.elastic.shear) } else { Some(0.0) };
-    if shear_modulus.is_none() {
+    // Young's modulus of a law follows from what is asked for.
+    if shear_modulus.is_none() || lacks_second {
+        missing.retain(|constant| constant.law.is_none() || constant.key != "young-modulus");
+    }
+    if shear_modulus.is_none() && !lacks_second {
+        if let (1, None, Some(law), Some(density)) =
+            (constants.elastic.count(), constants.elastic.bulk, &equation_of_state, density)
+        {
+            return Err(Inconsistent::of_sound(constants, law, density));
+        }
         let meaning = "shear modulus (G), in Pa; or two elastic constants";
-        missing.push(missing_key("shear-modulus", meaning, Some(flow_entry.key)));
+        missing.push(missing_key("shear-modulus", meaning, Some(flow_entry.key), "strength"));
     }
     match (density, shear_modulus, equation_of_state, flow_law) {
         (Some(density), Some(shear_modulus), Some(equation_of_state), Some(flow_law)) if missing.is_empty() => {
@@ -195,6 +285,11 @@ pub(crate) fn build(name: &str, constants: &Constants) -> Result<Material, Incom
     }
 }
 
+/// Keys that each say how a material softens, and all that act with a law of damage alone.
+const OF_SOFTENING: [&str; 3] = ["fracture-energy", "softening-displacement", "softening"];
+const OF_BREAKING: [&str; 5] =
+    ["fracture-energy", "softening-displacement", "softening", "minimum-failure-strain", "after-failure"];
+
 /// How a material breaks, if it does. `of_flow` are its reference temperature (K), and the reference rate (1/s) and melting temperature (K) of its
 /// flow law.
 fn damage(
@@ -206,6 +301,7 @@ fn damage(
         return Err(Inconsistent::of(
             "more than one of `fracture-energy`, `softening-displacement` and `softening` is given, and each says how it softens",
             "keep one of them; those of a `base` count, too",
+            &OF_SOFTENING,
         ));
     }
     let Some(law) = constants.damage.as_ref().filter(|_| constants.breaks) else {
@@ -224,6 +320,7 @@ fn damage(
                         "add one, as in `damage = { failure-strain = { strain = 0.5 } }`, or leave them out".to_owned()
                     }
                 },
+                &OF_BREAKING,
             ));
         }
         return Ok(None);
@@ -239,7 +336,7 @@ fn damage(
     };
     let values = values(entry, "damage", law, &derived, missing);
     if let Some((values, message)) = values.as_ref().and_then(|v| Some((v, (entry.check)(v)?))) {
-        return Err(Inconsistent::of_law(entry, message, values));
+        return Err(Inconsistent::of_law(entry, "damage", message, (law, constants), values));
     }
     let softening = constants.softening;
     let softening = match (softening.energy, softening.displacement) {

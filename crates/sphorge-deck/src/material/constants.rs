@@ -47,6 +47,17 @@ impl ElasticConstants {
         [self.shear, self.young, self.poisson, self.bulk].iter().flatten().count()
     }
 
+    /// Keys of those that are given.
+    pub(crate) fn keys(&self) -> Vec<&'static str> {
+        let all = [
+            ("young-modulus", self.young),
+            ("shear-modulus", self.shear),
+            ("bulk-modulus", self.bulk),
+            ("poisson-ratio", self.poisson),
+        ];
+        all.into_iter().filter_map(|(key, value)| value.map(|_| key)).collect()
+    }
+
     /// The constants of `over` replace ours; two of them define everything, so ours then go.
     fn overlaid(self, over: Self) -> Self {
         if over.count() >= 2 {

@@ -6,6 +6,7 @@ use crate::raw::{LawTable, RawLaw, RawMaterial};
 use crate::suggest::listed;
 use crate::value::{Choice, Given, Kind, ScalarOr, Word};
 use sphorge_physics::parameter::Bound;
+use std::{collections::BTreeMap, ops::Range};
 
 /// Constants in SI units; faults leave their key out.
 pub(crate) fn constants(raw: &RawMaterial, problems: &mut Problems) -> Constants {
@@ -75,4 +76,44 @@ fn law<C: LawTable>(raw: &RawLaw<C>, problems: &mut Problems) -> Option<LawConst
         }
     }
     Some(LawConstants { law, values })
+}
+
+/// Where the keys of a material stand that faults speak of: `young-modulus`, and `strength.B` for a constant of its law.
+pub(crate) fn places(raw: &RawMaterial) -> BTreeMap<String, Range<usize>> {
+    fn of<K: Kind>(given: &Option<Given<K>>) -> Option<Range<usize>> {
+        given.as_ref().map(Given::span)
+    }
+    let keys = [
+        ("density", of(&raw.density)),
+        ("young-modulus", of(&raw.young_modulus)),
+        ("shear-modulus", of(&raw.shear_modulus)),
+        ("bulk-modulus", of(&raw.bulk_modulus)),
+        ("poisson-ratio", of(&raw.poisson_ratio)),
+        ("reference-temperature", of(&raw.reference_temperature)),
+        ("minimum-failure-strain", of(&raw.minimum_failure_strain)),
+        ("fracture-energy", of(&raw.fracture_energy)),
+        ("softening-displacement", of(&raw.softening_displacement)),
+        ("softening", of(&raw.softening)),
+        ("after-failure", raw.after_failure.as_ref().map(Choice::span)),
+    ];
+    let mut places: BTreeMap<_, _> =
+        keys.into_iter().filter_map(|(key, place)| Some((key.to_owned(), place?))).collect();
+    law_places("equation-of-state", &raw.equation_of_state, &mut places);
+    law_places("strength", &raw.strength, &mut places);
+    law_places("damage", &raw.damage, &mut places);
+    places
+}
+
+fn law_places<C: LawTable>(key: &str, raw: &Option<RawLaw<C>>, places: &mut BTreeMap<String, Range<usize>>) {
+    let Some(raw) = raw else { return };
+    let place = match raw {
+        ScalarOr::Scalar(word) => word.span(),
+        ScalarOr::Composed(table, _) => {
+            let Some((law, given)) = table.0.0.first() else { return };
+            let constants = given.0.iter().map(|(constant, value)| (constant, value.span.clone()));
+            places.extend(constants.map(|(constant, at)| (format!("{key}.{}", constant.get_ref()), at)));
+            law.span()
+        }
+    };
+    places.insert(key.to_owned(), place);
 }

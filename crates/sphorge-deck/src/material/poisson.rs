@@ -1,0 +1,130 @@
+//! Poisson's ratios that no metal has, or that make it hard to compute.
+
+use super::constants::Constants;
+use sphorge_engine::model::Material;
+
+/// Poisson's ratios of metals: uranium has 0.20, lead 0.44. Beryllium alone has far less, 0.05.
+pub(super) const OF_METALS: (f64, f64) = (0.20, 0.45);
+
+/// How far Poisson's ratio of bulk and shear modulus may be from the one a material states, and how far where it shows which unit is meant.
+const STATED_WITHIN: f64 = 0.03;
+pub(super) const STATED_NEARLY: f64 = 0.1;
+
+/// Poisson's ratio of waves: bulk modulus `rho_0 c_0^2` of the pressure law and shear modulus `G` come from different tables, and
+/// may belong to different metals. `nu = (3 K - 2 G) / (2 (3 K + G))`.
+pub(super) fn ratio_of_waves(material: &Material) -> f64 {
+    let (bulk, shear) =
+        (material.density * material.equation_of_state.reference_sound_speed().powi(2), material.shear_modulus);
+    (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear))
+}
+
+/// That ratio where it is none of a metal, or not the one a material states.
+pub(super) fn poisson_ratio(constants: &Constants, material: &Material) -> Option<String> {
+    if material.shear_modulus == 0.0 {
+        return None;
+    }
+    let nu = ratio_of_waves(material);
+    let given =
+        format!("material `{}`: its pressure law and shear modulus give Poisson's ratio {nu:.2}", material.name);
+    match constants.elastic.completed().and_then(|elastic| elastic.poisson) {
+        Some(stated) => ((nu - stated).abs() > STATED_WITHIN).then(|| {
+            format!("{given}, its elastic constants give {stated:.2}: one of them may belong to another metal")
+        }),
+        None => {
+            let (least, most) = OF_METALS;
+            (material.flow_law.yields() && !(least..=most).contains(&nu)).then(|| {
+                format!(
+                    "{given}; metals have {least:.2} to {most:.2}: one of them may belong to another metal; add `poisson-ratio` beside \
+                     `shear-modulus` if the value is intended"
+                )
+            })
+        }
+    }
+}
+
+/// Poisson's ratio above which a material hardly changes its volume: metals have less than 0.45, and 0.49 is enough for rubber.
+const NEARLY_INCOMPRESSIBLE: f64 = 0.49;
+
+/// A stated Poisson's ratio near one half, which makes bulk modulus and speed of sound of any size.
+pub(super) fn nearly_incompressible(constants: &Constants, material: &Material) -> Option<String> {
+    let nu = constants.elastic.completed()?.poisson?;
+    let ratio = material.density * material.equation_of_state.reference_sound_speed().powi(2) / material.shear_modulus;
+    // Else the pressure law has a bulk modulus of its own.
+    let is_of_it = material.shear_modulus > 0.0 && ratio_of_waves(material) > NEARLY_INCOMPRESSIBLE;
+    let waves = ((ratio + 4.0 / 3.0) / (2.0 * 1.3 / (3.0 * 0.4) + 4.0 / 3.0)).sqrt();
+    (nu > NEARLY_INCOMPRESSIBLE && is_of_it).then(|| {
+        format!(
+            "material `{}`: its Poisson's ratio of {} is that of something nearly incompressible: the bulk modulus is {ratio:.0} times the shear \
+             modulus, time steps are {waves:.0} times as short as at 0.3, and particles lock; metals have {:.2} to {:.2}, and {NEARLY_INCOMPRESSIBLE} \
+             is enough for rubber",
+            material.name,
+            super::shown(nu, ""),
+            OF_METALS.0,
+            OF_METALS.1
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{advice, build, entry};
+    use super::*;
+
+    fn advice_of(constants: &Constants) -> Vec<String> {
+        advice(constants, &build("metal", constants).unwrap())
+    }
+
+    #[test]
+    fn moduli_of_different_metals_are_told() {
+        // Armco iron of the papers: K = 7890 3630^2 = 103.97 GPa, G = 80 GPa: 151.90/783.8 = 0.194.
+        let iron = entry("armco-iron").unwrap().clone();
+        let told = advice_of(&iron);
+        assert!(told.len() == 1 && told[0].contains("ratio 0.19; metals have 0.20 to 0.45"), "{told:?}");
+        // G = 78 GPa: 155.9/779.8 = 0.1999, G = 77.9 GPa: 156.1/779.6 = 0.2002; G = 10.7 GPa: 0.4504, G = 10.8 GPa: 0.4498.
+        for (shear, is_told) in [(78.0e9, true), (77.9e9, false), (10.8e9, false), (10.7e9, true)] {
+            let mut other = iron.clone();
+            other.elastic.shear = Some(shear);
+            assert_eq!(advice_of(&other).len(), usize::from(is_told), "{shear}");
+        }
+        // Stated, it is what counts: 0.194 is within 0.03 of 0.20, not of 0.29.
+        for (poisson, is_told) in [(0.20, false), (0.29, true), (0.16, true)] {
+            let mut stated = iron.clone();
+            stated.elastic.poisson = Some(poisson);
+            let told = advice_of(&stated);
+            assert_eq!(told.len(), usize::from(is_told), "{told:?}");
+            assert!(told.iter().all(|text| text.contains("ratio 0.19, its elastic constants")), "{told:?}");
+        }
+        // What never yields is no metal.
+        let mut rubber = iron;
+        rubber.strength = entry("rubber-plate").unwrap().strength.clone();
+        assert_eq!(advice_of(&rubber), Vec::<String>::new());
+    }
+
+    #[test]
+    fn a_ratio_near_one_half_is_named_and_not_what_follows_from_it() {
+        let of = |poisson: f64, strength: &str, change: &dyn Fn(&mut Constants)| {
+            let mut solid = entry("copper-elastic").unwrap().clone();
+            solid.elastic.poisson = Some(poisson);
+            solid.strength = entry(strength).unwrap().strength.clone();
+            change(&mut solid);
+            advice_of(&solid)
+        };
+        for strength in ["copper-elastic", "steel-fraser"] {
+            // K/G = 2 (1 + nu)/(3 (1 - 2 nu)) = 2.9998/6e-4; sqrt((4999.7 + 4/3)/(2.1667 + 4/3)) = 37.8.
+            let told = of(0.4999, strength, &|_| {});
+            assert!(told.len() == 1 && told[0].contains("Poisson's ratio of 0.4999 is that"), "{told:?}");
+            assert!(
+                told[0].contains("is 5000 times the shear") && told[0].contains("are 38 times as short"),
+                "{told:?}"
+            );
+            for (poisson, is_told) in [(0.45, false), (0.4899, false), (0.4901, true), (0.495, true)] {
+                assert_eq!(of(poisson, strength, &|_| {}).len(), usize::from(is_told), "{poisson}");
+            }
+        }
+        // A pressure law with a bulk modulus of its own contradicts it: that is what is told.
+        let told = of(0.4999, "copper-elastic", &|c| {
+            c.equation_of_state = entry("copper-shock").unwrap().equation_of_state.clone()
+        });
+        assert!(told.len() == 1 && told[0].contains("its pressure law and shear modulus give"), "{told:?}");
+    }
+}
