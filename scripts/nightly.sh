@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # What takes too long for every change, or draws at random: run whole before a release and after a change of numerics, on an idle machine.
 #
-#     scripts/nightly.sh [cuda|vulkan|mutations|attacks|fuzz|decks|guide|validate]...     all of them without a name, some hours on two cores
+#     scripts/nightly.sh [cuda|vulkan|ranks|physics|mutations|attacks|fuzz|decks|guide|validate]...     all of them without a name, some hours on two cores
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-jobs=(cuda vulkan mutations attacks fuzz decks guide validate)
+jobs=(cuda vulkan ranks physics mutations attacks fuzz decks guide validate)
 for job in "$@"; do
     if [[ " ${jobs[*]} " != *" $job "* ]]; then
         echo "no job \`$job\`: there are ${jobs[*]}" >&2
@@ -27,6 +27,9 @@ for job in "${jobs[@]}"; do
             ;;
         # Every model on Vulkan, that of a card or of the software renderer.
         vulkan) SPHORGE_NEEDS_CARD=Vulkan cargo test -p sphorge-gpu --features device --lib --locked ;;
+        # Every number of ranks, and the tests of physics that take long.
+        ranks) SPHORGE_ALL_RANKS=yes cargo test -p sphorge-mpi --test same_bits --locked ;;
+        physics) cargo test -p sphorge --test physics --locked -- --ignored ;;
         # Shipped decks with slips, other ones each time.
         mutations) PROPTEST_CASES=20000 cargo test -p sphorge-cli --test mutations --locked ;;
         attacks)

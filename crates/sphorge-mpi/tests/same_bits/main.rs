@@ -94,13 +94,20 @@ fn led<T>(ranks: usize, threads_each: usize, lead: impl FnOnce(&Leader) -> T) ->
     })
 }
 
+/// Numbers of ranks that are tried: two and the most of these, or all of them where `SPHORGE_ALL_RANKS` is set, as `scripts/nightly.sh` does.
+fn tried(ranks: &[usize]) -> Vec<usize> {
+    let most = ranks.iter().max();
+    let all = std::env::var_os("SPHORGE_ALL_RANKS").is_some();
+    ranks.iter().filter(|&ranks| all || *ranks == 2 || Some(ranks) == most).copied().collect()
+}
+
 /// Compares a run on each number of ranks with one without ranks, whose files it returns.
 fn compare(deck: &str, changes: &[(&str, &str)], ranks: &[usize]) -> Files {
     let expected = try_run(&Cpu, setup(deck, changes), 1).unwrap();
     assert!(expected.len() > 2, "{:?}", expected.keys());
     let rows = expected["history.csv"].iter().filter(|&&byte| byte == b'\n').count();
     assert!(rows > 2, "{rows} rows");
-    for &ranks in ranks {
+    for ranks in tried(ranks) {
         let found = try_run_on_ranks(deck, changes, ranks, if ranks == 2 { 2 } else { 1 }).unwrap();
         assert!(found.keys().eq(expected.keys()));
         for (name, bytes) in &found {

@@ -184,9 +184,12 @@ shape = { disc = { centre = ["0 mm", "0 mm"], radius = "14 mm", inner-radius = "
 #[test]
 fn blocks_bounce_with_their_energy_and_their_spin() {
     // A corner first, off centre, with spacings of one to four: couples, edges and slopes all act.
-    for (spacing, turn) in [("1 mm", "17 deg"), ("0.25 mm", "17 deg"), ("0.5 mm", "0 deg")] {
+    let whole = "{ min = [\"-6 mm\", \"0 mm\"], max = [\"6 mm\", \"6 mm\"] }";
+    let small = "{ min = [\"-2 mm\", \"0 mm\"], max = [\"2 mm\", \"3 mm\"] }";
+    for (spacing, turn, size) in [("1 mm", "17 deg", whole), ("0.25 mm", "17 deg", small), ("0.5 mm", "0 deg", whole)] {
         let overrides = [
             ("body.upper.spacing", spacing),
+            ("body.upper.shape.box", size),
             ("body.upper.shape.shift", "[\"1.3 mm\", \"2 mm\"]"),
             ("body.upper.shape.rotate", &format!("{{ angle = \"{turn}\", about = [\"0 mm\", \"0 mm\"] }}")),
             ("body.upper.velocity", "[\"0 m/s\", \"-20 m/s\"]"),
