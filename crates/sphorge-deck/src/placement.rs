@@ -60,7 +60,8 @@ pub(crate) fn check_pressed(
         let way = point(normal.map(|c| depth * c), model);
         let cure = if around {
             format!(
-                "make the one inside smaller, or the hole larger, by {}, unless it is a press fit",
+                "make the one inside smaller, or the hole larger, by {}; a press fit is let go at once, as by a blow: it rings, and metal may yield that \
+                 would not at rest",
                 millimetres(depth)
             )
         } else {
