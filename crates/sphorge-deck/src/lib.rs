@@ -18,6 +18,7 @@ mod fault;
 mod foreign;
 mod heat;
 mod impacts;
+mod in_line;
 mod interpret;
 mod keys;
 mod linear_law;

@@ -102,7 +102,7 @@ fn bullet(rule: &'static str) -> Vec<(&'static str, &'static str)> {
 
 #[test]
 fn the_guarded_adaptive_search_matches_the_cpu() {
-    compare("bullet", &bullet("\"adaptive\""), (120, 60e-6), (1, 2, 5e-3));
+    compare("bullet", &bullet("\"adaptive\""), (120, 0.1e-3), (1, 2, 5e-3));
 }
 
 #[test]
