@@ -66,6 +66,8 @@ const HEATED_SHARE: f64 = 0.01;
 struct Supply {
     work: f64,
     heat: f64,
+    /// Heat that boundaries have taken, J.
+    removed: f64,
     /// Sum of all changes of the kinetic energy since the start, J, up and down: in a body that vibrates, energy passes between motion and
     /// matter again and again.
     exchanged: f64,
@@ -90,7 +92,7 @@ struct Seen {
     beside: Option<f64>,
 }
 
-persist_fields!(Supply { work, heat, exchanged, kinetic });
+persist_fields!(Supply { work, heat, removed, exchanged, kinetic });
 persist_fields!(Seen { kind, step, time, particle, body, position, worst, worst_time, beside });
 
 /// Where something was seen.
@@ -247,6 +249,7 @@ impl Watch {
         let Some(start) = &self.start else { return };
         self.supply.work = self.supply.work.max(ledger.external_work - start.external_work);
         self.supply.heat = self.supply.heat.max(ledger.boundary_heat());
+        self.supply.removed = self.supply.removed.max(-ledger.boundary_heat());
         let kinetic = ledger.total.energies.kinetic;
         self.supply.exchanged += (kinetic - self.supply.kinetic.unwrap_or(start.kinetic)).abs();
         self.supply.kinetic = Some(kinetic);
@@ -269,7 +272,7 @@ impl Watch {
         self.hold(WarningKind::HourglassWork, share(springs.max(0.0), in_play), Place::default(), clock);
 
         // Every passage between motion and matter has its error, so that of a vibration grows without end.
-        let passed = supplied.max(self.supply.exchanged);
+        let passed = supplied.max(self.supply.exchanged).max(self.supply.removed);
         let booked = ledger.integration_energy;
         let by_contacts = ledger.contacts.iter().map(|contact| contact.integration_energy).sum::<f64>();
         let lost = booked.abs().max((booked + by_contacts).abs());

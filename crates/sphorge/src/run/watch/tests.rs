@@ -117,6 +117,12 @@ fn energy_that_the_steps_lose_is_told() {
         assert_eq!(watch.count(), 0);
         watch.look_at_ledger(&model, &with(13.0), CLOCK);
         assert_eq!(found(&watch, &model), one("integration", 0.13));
+        // Heat that leaves has passed, too: a body that cools between planes stores next to nothing.
+        let mut cooled = with(13.0);
+        cooled.heat.supplied = vec![-500.0];
+        let mut watch = begun(&model);
+        watch.look_at_ledger(&model, &cooled, CLOCK);
+        assert_eq!(watch.count(), 0);
         // What contacts book counts with it, but does not hide it.
         let contact = |lost: f64| ContactLedger { integration_energy: sign * lost, ..ContactLedger::default() };
         let both = |lost: f64, by_contact: f64| Ledger { contacts: vec![contact(by_contact)], ..with(lost) };
