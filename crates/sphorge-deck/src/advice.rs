@@ -1,5 +1,6 @@
 //! What the chosen method will do with a deck, said before the run.
 
+use super::in_line::in_line;
 use sphorge_engine::Particles;
 use sphorge_engine::model::{
     Body, BodyContact, Dimensions, Formulation, Integrator, Model, Precision, Search, WallSurface,
@@ -52,6 +53,7 @@ pub(crate) fn doubts(model: &Model, particles: &Particles) -> Vec<String> {
         .chain(thrown_back(model, particles))
         .chain(too_coarse_to_break(model))
         .chain(held_as_a_fluid(model))
+        .chain(in_line(model, particles))
         .collect()
 }
 
@@ -291,6 +293,9 @@ fn beyond_metals(model: &Model, particles: &Particles) -> Vec<String> {
     notes
 }
 
+/// Plastic strain at which a metal has most of its strength, whatever it has before.
+const HARDENED: f64 = 0.01;
+
 /// The impact with the largest damage number.
 struct Impact {
     body: String,
@@ -334,7 +339,13 @@ fn impacts(model: &Model, particles: &Particles) -> Vec<Impact> {
         let material = &model.materials[body.material];
         let at_rest = FlowState::at_rest(body.temperature);
         let history: Vec<f64> = material.flow_law.history().iter().map(|variable| variable.initial).collect();
-        let yield_stress = material.flow_law.yield_stress(at_rest, &history).value;
+        let yields_at = |plastic_strain: f64| {
+            material.flow_law.yield_stress(FlowState { plastic_strain, ..at_rest }, &history).value
+        };
+        // A metal may harden from nothing.
+        let at_start = yields_at(0.0);
+        let hardens = at_start == 0.0 && material.shear_modulus > 0.0;
+        let yield_stress = if hardens { yields_at(HARDENED) } else { at_start };
         let is_striker = between(own, [0.0; 3]) >= 0.499 * speed;
         Impact {
             body: body.name.clone(),
@@ -422,6 +433,22 @@ mod tests {
     fn notes_of(name: &str, path: &str, value: &str) -> String {
         let deck = decks::find(name).unwrap();
         load_text(name, deck.text, &[(path.to_owned(), value.to_owned())]).unwrap().notes.join("\n")
+    }
+
+    #[test]
+    fn a_metal_that_hardens_from_nothing_is_no_fluid() {
+        let hardens = [("material.bar.base", "armco-iron"), ("body.bar.material", "bar")];
+        let strength = (
+            "material.bar.strength",
+            "{ johnson-cook = { A = 0, B = \"275 MPa\", n = 0.3, C = 0.02, m = 1, melting-temperature = \"1800 K\" } }",
+        );
+        let deck = decks::find("iron-plate").unwrap();
+        let of = |changes: &[(&str, &str)]| {
+            let changes: Vec<_> = changes.iter().map(|&(path, value)| (path.to_owned(), value.to_owned())).collect();
+            load_text("iron-plate", deck.text, &changes).unwrap().notes.join("\n")
+        };
+        assert!(!of(&[hardens[0], hardens[1], strength]).contains("splashes"));
+        assert!(of(&[hardens[0], hardens[1], ("material.bar.strength", "none")]).contains("splashes"));
     }
 
     #[test]

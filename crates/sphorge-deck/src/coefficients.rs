@@ -4,7 +4,7 @@ use sphorge_engine::model::{HeatBoundary, HeatBoundaryKind, Model, WallContact};
 
 /// What of them cannot be meant.
 pub(crate) fn coefficients(model: &Model) -> Vec<String> {
-    too_rough(model).into_iter().chain(too_hot(model)).chain(too_viscous(model)).collect()
+    too_rough(model).into_iter().chain(too_stiff(model)).chain(too_hot(model)).chain(too_viscous(model)).collect()
 }
 
 /// Coulomb coefficient above which none of metals is.
@@ -24,6 +24,25 @@ fn too_rough(model: &Model) -> Vec<String> {
         )
     };
     rough.map(note).collect()
+}
+
+/// Stiffness of a contact above which time steps shrink and nothing else is gained.
+const STIFFEST: f64 = 100.0;
+
+/// A modulus in place of a ratio.
+fn too_stiff(model: &Model) -> Vec<String> {
+    let of_walls = model.walls.iter().filter_map(|wall| match wall.contact {
+        WallContact::Penalty { stiffness, .. } => Some((format!("of wall `{}`", wall.name), stiffness)),
+        WallContact::MonaghanKos { .. } => None,
+    });
+    let of_bodies = model.contact.strength().map(|strength| ("between bodies".to_owned(), strength.stiffness));
+    let stiff = of_bodies.into_iter().chain(of_walls).filter(|(_, stiffness)| *stiffness > STIFFEST);
+    let note = |(whose, stiffness): (String, f64)| {
+        format!(
+            "the stiffness of the contact {whose} is {stiffness:e}: it is a ratio to the stiffness of the cells that meet, no modulus; 1 is usual, and the time step falls with its square root"
+        )
+    };
+    stiff.map(note).collect()
 }
 
 /// Heat flux, W/m^2, that no source of long duration has: burners have 1e6, arcs of welding 1e9.
@@ -108,6 +127,20 @@ mod tests {
         told(
             &[("[material.m]", "contact = { penalty = { friction = 30 } }\n[material.m]")],
             &["friction coefficient between bodies is 30"],
+        );
+    }
+
+    #[test]
+    fn a_stiffness_that_is_a_modulus_is_told() {
+        let of = |stiffness: &str| {
+            let wall = format!("normal = [0, 1] }}\ncontact = {{ penalty = {{ stiffness = {stiffness} }} }}\n");
+            notes(&[("normal = [0, 1] }\n", &wall)])
+        };
+        assert!(of("1e11").len() == 1 && of("1e11")[0].contains("contact of wall `anvil` is 1e11"), "{:?}", of("1e11"));
+        assert_eq!(of("10"), [""; 0]);
+        told(
+            &[("[material.m]", "contact = { penalty = { stiffness = 2e11 } }\n[material.m]")],
+            &["stiffness of the contact between bodies is 2e11"],
         );
     }
 

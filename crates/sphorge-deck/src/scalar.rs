@@ -6,7 +6,7 @@ use super::fault::{Fault, Problems};
 use super::quantity::{QuantityKind, parse_quantity};
 use super::written::{Content, Literal, Written};
 use sphorge_physics::parameter::Bound;
-use std::ops::Range;
+use std::{f64::consts::TAU, ops::Range};
 
 /// Largest magnitude of a quantity in SI units: what follows from it within a step must be a number of single precision, of which frames are made.
 const LARGEST: f64 = 1e30;
@@ -79,11 +79,24 @@ impl Scalar {
             let note = format!(
                 "`{}` in line {} is {value} K, since a number without a unit is in SI: write \"{value} degC\" or \"{value} K\"",
                 self.with_its_key(problems.text()),
-                1 + problems.text()[..self.span.start.min(problems.text().len())].matches('\n').count()
+                self.line(problems.text())
+            );
+            problems.doubt(&self.span, note);
+        }
+        if kind == QuantityKind::ANGLE && value.abs() > TAU && self.has_no_unit() {
+            let note = format!(
+                "`{}` in line {} is {value} rad, more than a turn, since a number without a unit is in SI: write \"{value} deg\" or \"{value} rad\"",
+                self.with_its_key(problems.text()),
+                self.line(problems.text())
             );
             problems.doubt(&self.span, note);
         }
         Some(value)
+    }
+
+    /// Its line in a text, from one on.
+    fn line(&self, text: &str) -> usize {
+        1 + text[..self.span.start.min(text.len())].matches('\n').count()
     }
 
     /// Whether it is a number alone, quoted or not.

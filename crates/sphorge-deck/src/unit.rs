@@ -177,6 +177,11 @@ fn suggestion(name: &str) -> Option<String> {
         "l" | "liter" | "litre" => Some("dm^3"),
         "tonne" | "to" => Some("t"),
         "micron" => Some("um"),
+        // As in W/mK and J/kgK.
+        "mk" => Some("(m K)"),
+        "kgk" => Some("(kg K)"),
+        // What is near to them is something else.
+        "kgf" | "lbf" | "degf" => return None,
         _ => None,
     };
     if let Some(unit) = spelled_out {

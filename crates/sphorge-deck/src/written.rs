@@ -120,6 +120,14 @@ fn told(message: &str, at: &Range<usize>, text: &str) -> (String, &'static str) 
     if before.ends_with('=') && message.contains("expected `'`") {
         return ("a value is missing".to_owned(), "write key = value");
     }
+    let line =
+        text.get(..at.start).map_or("", |before| &text[before.rfind('\n').map_or(0, |end| end + 1)..]).trim_start();
+    if ["//", "/*", ";", "$", "*", "!", "%", "--"].iter().any(|mark| line.starts_with(mark)) {
+        return (
+            message.to_owned(),
+            "comments begin with #, and nothing is included; a deck is TOML: key = value, [table], [[list of tables]]",
+        );
+    }
     if text.get(at.start..).is_some_and(|rest| rest.starts_with(|c: char| c.is_control() && !c.is_whitespace())) {
         let help = "leave it out; text can hold it as an escape: \"\\u001B\"";
         return ("a deck cannot contain a control character".to_owned(), help);

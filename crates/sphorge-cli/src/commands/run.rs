@@ -203,11 +203,16 @@ fn masses(bodies: &[BodyRecord]) -> String {
         .filter(|body| off(body).abs() > 1e-9)
         .map(|body| format!("`{}` {}", body.name, readable::percent(off(body))))
         .collect();
-    if told.is_empty() {
+    let of_shapes = if told.is_empty() {
         "equal to that of the shapes".to_owned()
     } else {
         format!("difference from the shape: {}", told.join(", "))
-    }
+    };
+    let added = bodies.iter().filter(|body| body.added_mass > 0.0);
+    let added: Vec<String> = added
+        .map(|body| format!("`{}` {}", body.name, readable::percent(body.added_mass / (body.mass - body.added_mass))))
+        .collect();
+    if added.is_empty() { of_shapes } else { format!("{of_shapes}; added by mass scaling: {}", added.join(", ")) }
 }
 
 /// What the run did, for people.

@@ -2,7 +2,7 @@
 
 use crate::declare::Named;
 use crate::fault::{Fault, Problems};
-use crate::material::{Constants, Incomplete, advice, build, constants, entries, entry, places};
+use crate::material::{Constants, Incomplete, Missing, advice, build, constants, entries, entry, places};
 use crate::printable::is_printable;
 use crate::raw::RawMaterial;
 use crate::suggest::{did_you_mean, like, listed};
@@ -198,9 +198,15 @@ impl<'a> Chosen<'a> {
                 report(name, incomplete, word, self.library, problems);
             }
         });
-        let material = material.ok();
+        let mut material = material.ok();
         let notes = if own.is_some() { &mut self.notes } else { &mut self.catalogue_notes };
         notes.extend(material.iter().flat_map(|material| advice(&constants, material)));
+        // What is judged is the material, not what stands for it.
+        if let (Some(factor), Some(_)) = (constants.mass_scaling, &material) {
+            let scaled = build(name, &constants.clone().with_scaled_mass()).ok();
+            material = scaled.map(|scaled| Material { mass_scaling: factor, ..scaled });
+            notes.extend(scaled_mass(name, factor));
+        }
         self.indices.insert(name.to_owned(), self.chosen.len());
         let states_conductivity = constants.conductivity.is_some();
         let used = Used { name: name.to_owned(), material, at: word.span(), is_spoiled, states_conductivity };
@@ -335,6 +341,21 @@ impl<'a> Chosen<'a> {
     }
 }
 
+/// Share of mass that is added without a word.
+const UNTOLD_MASS: f64 = 0.05;
+
+/// What mass scaling does to a material.
+fn scaled_mass(name: &str, factor: f64) -> Option<String> {
+    (factor > 1.0 + UNTOLD_MASS).then(|| {
+        format!(
+            "material `{name}`: `mass-scaling` adds {:.0} % to its mass, and to weights and kinetic energies: it is for loads so slow that the kinetic energy \
+             stays a few per cent of the internal energy; time steps are {:.3} times as long",
+            100.0 * (factor - 1.0),
+            factor.sqrt()
+        )
+    })
+}
+
 fn report(name: &str, incomplete: Incomplete, word: &Word, library: &Library, problems: &mut Problems) {
     let own = library.own.get(name);
     // What the user wrote of it comes first, else where the material begins.
@@ -359,13 +380,22 @@ fn report(name: &str, incomplete: Incomplete, word: &Word, library: &Library, pr
         }
         Incomplete::Missing(missing) => {
             let base = if own.is_none() { "; such a table starts from the catalogue's constants" } else { "" };
-            for constant in missing {
-                let law = constant.law.map(|l| format!(", which `{l}` needs")).unwrap_or_default();
-                let message = format!("material `{name}` has no `{}`{law}", constant.key);
-                let fault = place("missing-constant", message, &[constant.beside], "this needs it");
-                let table =
-                    if constant.table.is_empty() { name.to_owned() } else { format!("{name}.{}", constant.table) };
-                let help = format!("add `{}`, {}, to [material.{table}]{base}", constant.key, constant.meaning);
+            // Those of one law are one fault.
+            for of_law in missing.chunk_by(|a, b| a.law.is_some() && (a.law, &a.table) == (b.law, &b.table)) {
+                let Missing { law, table, beside, .. } = &of_law[0];
+                let law = law.map(|law| format!(", which `{law}` needs")).unwrap_or_default();
+                let keys = listed(of_law.iter().map(|constant| constant.key), "and");
+                let message = format!("material `{name}` has no {keys}{law}");
+                let fault = place(
+                    "missing-constant",
+                    message,
+                    &[*beside],
+                    if of_law.len() > 1 { "this needs them" } else { "this needs it" },
+                );
+                let table = if table.is_empty() { name.to_owned() } else { format!("{name}.{table}") };
+                let wanted: Vec<String> =
+                    of_law.iter().map(|constant| format!("`{}`, {}", constant.key, constant.meaning)).collect();
+                let help = format!("add {}, to [material.{table}]{base}", wanted.join("; "));
                 problems.push(fault.help(help).if_its_entry_is_whole());
             }
         }

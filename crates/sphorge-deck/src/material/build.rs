@@ -207,7 +207,11 @@ pub(crate) fn build(name: &str, constants: &Constants) -> Result<Material, Incom
             _ => None,
         };
         // A density that is missing has been named already.
-        let known = |key: &str| if key == "density" { density.or(Some(1.0)) } else { derived(key) };
+        let known = |key: &str| match key {
+            "density" => density.or(Some(1.0)),
+            "sound-speed" if density.is_none() && state_entry.key == "linear" => bulk,
+            _ => derived(key),
+        };
         values(state_entry, "equation-of-state", state, &known, &mut missing)
     };
     let state_values = state_values.filter(|_| density.is_some());
@@ -279,6 +283,7 @@ pub(crate) fn build(name: &str, constants: &Constants) -> Result<Material, Incom
                 spall_opening: constants.spall_opening.unwrap_or(DEFAULT_OPENING),
                 damage,
                 reference_temperature,
+                mass_scaling: 1.0,
             })
         }
         _ => Err(Incomplete::Missing(missing)),

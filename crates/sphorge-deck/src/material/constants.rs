@@ -141,6 +141,8 @@ pub(crate) struct Constants {
     pub(crate) after_failure: Option<AfterFailure>,
     /// K.
     pub(crate) reference_temperature: Option<f64>,
+    /// Inertia over that of the material.
+    pub(crate) mass_scaling: Option<f64>,
 }
 
 impl Constants {
@@ -170,7 +172,24 @@ impl Constants {
             softening: if over.softening.count() > 0 { over.softening } else { self.softening },
             after_failure: over.after_failure.or(self.after_failure),
             reference_temperature: over.reference_temperature.or(self.reference_temperature),
+            mass_scaling: over.mass_scaling.or(self.mass_scaling),
         }
+    }
+
+    /// The constants with more mass and the same moduli, strengths and heat capacity per volume: what of them is per mass, or has a mass in it.
+    pub(crate) fn with_scaled_mass(mut self) -> Self {
+        let factor = self.mass_scaling.unwrap_or(1.0);
+        self.density = self.density.map(|density| density * factor);
+        self.specific_heat = self.specific_heat.map(|heat| heat / factor);
+        let of_pressure = self.equation_of_state.iter_mut().flat_map(|law| &mut law.values);
+        for (key, value) in of_pressure {
+            match *key {
+                "density" => *value *= factor,
+                "sound-speed" => *value /= factor.sqrt(),
+                _ => {}
+            }
+        }
+        self
     }
 }
 

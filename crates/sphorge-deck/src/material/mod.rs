@@ -14,7 +14,7 @@ pub use catalogue::{catalogue, find};
 pub use listing::{ConstantLine, LawListing, MaterialListing};
 
 pub(crate) use advice::advice;
-pub(crate) use build::{Incomplete, build};
+pub(crate) use build::{Incomplete, Missing, build};
 pub(crate) use catalogue::{entries, entry};
 pub(crate) use constants::Constants;
 pub(crate) use read::{constants, places};

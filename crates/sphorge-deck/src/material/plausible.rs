@@ -36,7 +36,7 @@ const fn number(least: f64, most: f64, published: &'static str) -> Range {
 }
 
 /// Stress above which softness alone explains no value, Pa: rubber bears more than its shear modulus, but none bears this.
-const BORNE_BY_SOFT: f64 = 2e8;
+pub(super) const BORNE_BY_SOFT: f64 = 2e8;
 
 /// Stresses beside the yield stress. Athermal parts of pure single crystals are 2e-5 of the shear modulus, hardening of steels that
 /// transform 0.04, of polymers up to 0.3.
@@ -119,7 +119,7 @@ const ACTIVATION: Range = number(1e-5, 0.1, "metals have 0.001 to 0.01 /K");
 /// What the rate takes off it: copper 1.2e-4, iron 4.2e-4.
 const ACTIVATION_BY_RATE: Range = number(1e-7, 0.01, "metals have 1e-5 to 1e-3 /K");
 /// Rates that laws refer to: creep tests to bars of Hopkinson.
-const REFERENCE_RATE: Range = number(1e-9, 1e7, "tests are made at 1e-5 to 1e4 /s");
+const REFERENCE_RATE: Range = number(1e-8, 2e5, "tests are made at 1e-5 to 1e4 /s");
 /// Mercury melts at 234 K, tungsten after Steinberg at 4520 K.
 const MELTING: Range = number(200.0, 6000.0, "metals melt between 234 K and 3700 K");
 /// Temperatures of tests.

@@ -45,6 +45,7 @@ pub(crate) fn constants(raw: &RawMaterial, problems: &mut Problems) -> Constants
         },
         after_failure: raw.after_failure.as_ref().and_then(|r| r.get(problems)),
         reference_temperature: read(&raw.reference_temperature, Bound::NonNegative, problems),
+        mass_scaling: read(&raw.mass_scaling, Bound::Between(1.0, 1e8), problems),
     }
 }
 

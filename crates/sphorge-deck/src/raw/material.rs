@@ -35,7 +35,7 @@ tables! {
         /// Return of the trial stress to the yield surface.
         return_rule: Option<Choice<ReturnRuleWord>>, example "benz-asphaug", default "radial-return";
         /// Specific heat. Without it the temperature is constant, and a metal does not soften by the heat of plastic work; `check` and
-        /// `run` print a note in that case unless `taylor-quinney` is 0.
+        /// `run` print a note if the flow law depends on the temperature and `taylor-quinney` is not 0.
         specific_heat: Option<Given<SpecificHeat>>, example "452 J/(kg K)", otherwise "none: the temperature is constant";
         /// Thermal conductivity.
         conductivity: Option<Given<Conductivity>>, example "80.2 W/(m K)", default 0.0;
@@ -62,6 +62,10 @@ tables! {
         softening: Option<Given<Number>>, example 0.2, default 0.1;
         /// What a particle still bears that has lost its integrity.
         after_failure: Option<Choice<AfterFailureWord>>, example "fluid", default "no-tension";
+        /// Mass scaling: inertia is so many times that of the material, 1 or more, so that time steps are the square root of it longer. For slow loads, under
+        /// which inertia does not matter. Densities of the run are multiplied by it, and the specific heat and the sound speed are adapted, so
+        /// that stiffness, strength and temperatures stay as they are; a weight does not. `check` and `run` print a note with the mass that is added.
+        mass_scaling: Option<Given<Number>>, example 25, default 1.0;
         /// Temperature at which the internal energy is zero, and the default initial temperature of bodies.
         reference_temperature: Option<Given<Temperature>>, example "20 degC", default "293.15 K";
     }

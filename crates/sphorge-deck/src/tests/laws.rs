@@ -80,3 +80,36 @@ fn constants_of_the_new_laws_are_read_with_their_units_and_checked() {
     let told = law("steinberg-guinan = { A = \"2.83 Mbar\" }").unwrap_err().to_string();
     assert!(told.contains("expected a quantity (1/Pa)"), "{told}");
 }
+
+#[test]
+fn scaled_mass_leaves_stiffness_strength_and_heat_per_volume_as_they_are() {
+    let of = |material: &str, factor: &str| {
+        let deck = format!(
+            "dimensions = \"1d\"\nparticles = {{ spacing = \"1 mm\" }}\ntime = {{ end = \"1 us\" }}\n[material.m]\nbase = \"{material}\"\n\
+             mass-scaling = {factor}\n[[body]]\nname = \"bar\"\nmaterial = \"m\"\nshape = {{ box = {{ min = [0], max = [\"40 mm\"] }} }}\n\
+             velocity = [\"1 m/s\"]\n"
+        );
+        load_text("deck", &deck, &[]).unwrap_or_else(|report| panic!("{report}"))
+    };
+    // The sound speed is given, or follows from moduli.
+    for material in ["ofhc-copper", "armco-iron", "4340-steel"] {
+        let [one, nine] = ["1", "9"].map(|factor| of(material, factor));
+        let [(before, notes), (after, told)] =
+            [one, nine].map(|setup| (setup.model.materials[0].clone(), setup.all_notes()));
+        let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
+        assert_eq!((before.mass_scaling, after.mass_scaling), (1.0, 9.0));
+        assert!(near(after.density, 9.0 * before.density) && near(9.0 * after.specific_heat, before.specific_heat));
+        assert!(near(after.shear_modulus, before.shear_modulus) && near(after.young_modulus(), before.young_modulus()));
+        // The same pressure at the same compression and energy per volume.
+        let pressure = |of: &sphorge_engine::model::Material| {
+            of.equation_of_state.pressure(1.1 * of.density, 1e9 / of.density).pressure
+        };
+        assert!(near(pressure(&after), pressure(&before)), "{material}");
+        let added = told.iter().filter(|note| !notes.contains(note)).collect::<Vec<_>>();
+        assert!(
+            added.len() == 1 && added[0].contains("adds 800 % to its mass") && added[0].contains("3.000 times as long"),
+            "{told:?}"
+        );
+    }
+    assert_eq!(of("ofhc-copper", "1.04").all_notes(), of("ofhc-copper", "1").all_notes());
+}

@@ -235,3 +235,19 @@ fn what_is_wrong_with_a_file_of_particles_names_line_and_column() {
     let part = "{ union = [{ table = { file = \"bar.csv\" } }] }";
     super::shapes::told(&deck("3d", part), "table-as-part", "\"bar.csv\"", "part of another shape");
 }
+
+#[test]
+fn angles_of_more_than_a_turn_without_a_unit_are_told() {
+    let notes = |angle: &str| {
+        let deck = format!(
+            "dimensions = \"plane-strain\"\nparticles = {{ spacing = \"1 mm\" }}\ntime = {{ end = \"1 us\" }}\n[[body]]\nname = \"bar\"\n\
+             material = \"ofhc-copper\"\nvelocity = [1, 0]\n\
+             shape = {{ box = {{ min = [0, 0], max = [\"6 mm\", \"8 mm\"] }}, rotate = {{ angle = {angle}, about = [0, 0] }} }}\n"
+        );
+        load_text("bar", &deck, &[]).unwrap_or_else(|report| panic!("{report}")).notes
+    };
+    for (angle, is_told) in [("30", true), ("-90", true), ("6.2", false), ("\"30 deg\"", false), ("\"7 rad\"", false)] {
+        let told = notes(angle).iter().any(|note| note.contains("rad, more than a turn") && note.contains("in line 8"));
+        assert_eq!(told, is_told, "{angle}: {:?}", notes(angle));
+    }
+}

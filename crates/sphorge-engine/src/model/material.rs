@@ -41,6 +41,8 @@ pub struct Material {
     pub damage: Option<Damage<f64>>,
     /// Temperature at which the internal energy is zero, and at which bodies start unless they say otherwise, K.
     pub reference_temperature: f64,
+    /// Mass over that of what it stands for: constants are of scaled mass. One unless the deck says otherwise.
+    pub mass_scaling: f64,
 }
 
 /// What the temperature of an internal energy depends on.
@@ -273,6 +275,7 @@ mod tests {
             spall_opening: 0.0,
             damage: None,
             reference_temperature: 293.15,
+            mass_scaling: 1.0,
         }
     }
 

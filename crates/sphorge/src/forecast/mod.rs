@@ -159,7 +159,8 @@ fn look_ahead(setup: Setup, kind: &dyn EngineKind, seconds: f64) -> Result<Forec
     let expected_steps = by_time.min(model.time.max_steps.map_or(f64::INFINITY, |most| most as f64));
 
     let share = (expected_steps / by_time.max(1.0)).min(1.0);
-    let frames = 1 + (share * model.time.end / model.output.frame_interval).ceil() as u64;
+    // An interval that divides the run is not one more by rounding.
+    let frames = 1 + (share * model.time.end / model.output.frame_interval * (1.0 - 1e-9)).ceil() as u64;
     let rows = 1.0 + share * model.time.end / model.output.history_interval;
     Ok(Forecast {
         title: model.title.clone(),

@@ -195,6 +195,9 @@ pub struct BodyRecord {
     pub mass: f64,
     /// Reference density times the volume of the shape, in the same unit; of composed shapes counted, to about a thousandth.
     pub shape_mass: f64,
+    /// Part of both that mass scaling has added, in the same unit.
+    #[serde(default)]
+    pub added_mass: f64,
 }
 
 /// Wall-clock seconds by stage.
@@ -412,7 +415,7 @@ fn no_imbalance() -> f64 {
 }
 
 /// Units of the numbers of a summary by their paths; `{per}` stands for what sums over particles are per.
-const UNITS: [(&str, &str); 62] = [
+const UNITS: [(&str, &str); 63] = [
     ("format", ""),
     ("failure.step", ""),
     ("failure.time", "s"),
@@ -422,6 +425,7 @@ const UNITS: [(&str, &str); 62] = [
     ("bodies.particles", ""),
     ("bodies.mass", "kg{per}"),
     ("bodies.shape_mass", "kg{per}"),
+    ("bodies.added_mass", "kg{per}"),
     ("steps", ""),
     ("repeated_steps", ""),
     ("simulated_time", "s"),
@@ -548,7 +552,13 @@ mod tests {
                 body: None,
                 position: Some([0.0; 3]),
             })),
-            bodies: vec![BodyRecord { name: "bar".into(), particles: 1000, mass: 2.0, shape_mass: 2.0 }],
+            bodies: vec![BodyRecord {
+                name: "bar".into(),
+                particles: 1000,
+                mass: 2.0,
+                shape_mass: 2.0,
+                added_mass: 0.0,
+            }],
             audit: Some(AuditRecord::default()),
             warnings: vec![testing::warning("hot")],
             measures: BTreeMap::from([("height".to_owned(), Some(0.02))]),

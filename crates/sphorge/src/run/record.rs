@@ -105,6 +105,7 @@ impl Recorder {
             particles: filled.particles as u64,
             mass: filled.mass,
             shape_mass: filled.shape_mass,
+            added_mass: filled.mass * (1.0 - 1.0 / model.materials[body.material].mass_scaling),
         };
         Ok(Self {
             bodies: model.bodies.iter().zip(masses).map(body).collect(),

@@ -18,6 +18,7 @@ mod hinges;
 mod homogeneous;
 mod hyperelastic;
 mod impacts_at_facets;
+mod mass_scaling;
 mod numerical_work;
 mod oracle;
 mod persist;

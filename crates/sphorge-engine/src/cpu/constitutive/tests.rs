@@ -36,6 +36,7 @@ fn material(equation: (&str, &[f64]), flow: (&str, &[f64]), shear_modulus: f64, 
         spall_opening: 5e-5,
         damage: None,
         reference_temperature: 298.0,
+        mass_scaling: 1.0,
     }
 }
 

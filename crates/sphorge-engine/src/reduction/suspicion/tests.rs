@@ -27,6 +27,7 @@ pub(in crate::reduction) fn material(law: &str) -> Material {
         spall_opening: 5e-5,
         damage: None,
         reference_temperature: 300.0,
+        mass_scaling: 1.0,
     }
 }
 
