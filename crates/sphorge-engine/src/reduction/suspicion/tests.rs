@@ -463,7 +463,7 @@ fn what_lies_in_cells_of_another_body_is_inside() {
     assert_eq!(inside(&two_blocks(-4.0)).map(|found| found.0), [16, 16]);
     // Where outermost layers are known they alone may be in each other.
     let outermost = |mut p: Particles| {
-        let is_at_face = |i: &usize| (i % 4 == 3 && *i < 16) || (i % 4 == 0 && *i >= 16);
+        let is_at_face = |i: &usize| i % 4 == if *i < 16 { 3 } else { 0 };
         p.reference_normal = (0..32).map(|i| if is_at_face(&i) { [1.0, 0.0, 0.0] } else { [0.0; 3] }).collect();
         p
     };
