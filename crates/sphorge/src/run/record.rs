@@ -100,12 +100,13 @@ impl Recorder {
     ) -> Result<Self, OutputError> {
         let observed = Observed::new(model);
         let mirrored = array::from_fn(|axis| model.symmetry.iter().any(|plane| plane.axis == axis));
+        let scaling = |body: &Body| model.materials.get(body.material).map_or(1.0, |material| material.mass_scaling);
         let body = |(body, filled): (&Body, &FilledMass)| BodyRecord {
             name: body.name.clone(),
             particles: filled.particles as u64,
             mass: filled.mass,
             shape_mass: filled.shape_mass,
-            added_mass: filled.mass * (1.0 - 1.0 / model.materials[body.material].mass_scaling),
+            added_mass: filled.mass * (1.0 - 1.0 / scaling(body)),
         };
         Ok(Self {
             bodies: model.bodies.iter().zip(masses).map(body).collect(),
