@@ -54,6 +54,7 @@ pub(crate) fn doubts(model: &Model, particles: &Particles) -> Vec<String> {
         .chain(too_coarse_to_break(model))
         .chain(held_as_a_fluid(model))
         .chain(in_line(model, particles))
+        .chain(lone_particles(model, particles))
         .collect()
 }
 
@@ -184,17 +185,17 @@ fn thin_bodies(model: &Model, particles: &Particles) -> Vec<String> {
     if model.dimensions == Dimensions::One {
         return Vec::new();
     }
+    let is_total_lagrangian = matches!(model.formulation, Formulation::TotalLagrangian { .. });
     let note = |(b, body): (usize, &Body)| {
         let [across, along] = particles_across(model, particles, b)?;
         if across > ENOUGH_ACROSS - 0.5 || along < SLENDER * across {
             return None;
         }
         let name = &body.name;
-        let is_total_lagrangian = matches!(model.formulation, Formulation::TotalLagrangian { .. });
         Some(match is_total_lagrangian && across < 1.5 {
             true => format!(
                 "body `{name}` is one particle across: it bears tension and shear along itself and turns as a membrane or a wire does, but hardly resists \
-                 bending; give it {ENOUGH_ACROSS} particles across if it bends"
+                 bending and has no pressure across itself; give it two particles across if it is pressed, {ENOUGH_ACROSS} if it bends"
             ),
             false => format!(
                 "body `{name}` is about {across:.0} particles across: give it {ENOUGH_ACROSS} or more if it bends; with fewer, bending stiffness and plastic \
@@ -203,6 +204,24 @@ fn thin_bodies(model: &Model, particles: &Particles) -> Vec<String> {
         })
     };
     model.bodies.iter().enumerate().filter_map(note).collect()
+}
+
+/// Bodies of one particle on a line, beside others.
+fn lone_particles(model: &Model, particles: &Particles) -> Vec<String> {
+    let is_total_lagrangian = matches!(model.formulation, Formulation::TotalLagrangian { .. });
+    if model.dimensions != Dimensions::One || !is_total_lagrangian || model.bodies.len() < 2 {
+        return Vec::new();
+    }
+    let count = |body: usize| particles.body.iter().filter(|of| **of as usize == body).count();
+    let alone = model.bodies.iter().enumerate().filter(|(index, _)| count(*index) == 1);
+    let told = |(_, body): (usize, &Body)| {
+        format!(
+            "body `{}` is one particle long: without a neighbour it is not pressed, and passes on what pushes it without a pressure of its own; give it two or \
+             more",
+            body.name
+        )
+    };
+    alone.map(told).collect()
 }
 
 /// Particles across a body where it is thinnest, and along it where it is longest, of those that a box of its second moments has; with its
@@ -433,6 +452,20 @@ mod tests {
     fn notes_of(name: &str, path: &str, value: &str) -> String {
         let deck = decks::find(name).unwrap();
         load_text(name, deck.text, &[(path.to_owned(), value.to_owned())]).unwrap().notes.join("\n")
+    }
+
+    #[test]
+    fn a_particle_alone_between_others_is_told() {
+        let notes = |end: &str| {
+            let deck = format!(
+                "dimensions = \"1d\"\nparticles = {{ spacing = \"0.1 mm\" }}\ntime = {{ end = \"1 us\" }}\n\
+                 [[body]]\nname = \"a\"\nmaterial = \"ofhc-copper\"\nvelocity = [\"100 m/s\"]\nshape = {{ box = {{ min = [0], max = [\"2 mm\"] }} }}\n\
+                 [[body]]\nname = \"sheet\"\nmaterial = \"ofhc-copper\"\nshape = {{ box = {{ min = [\"2 mm\"], max = [\"{end} mm\"] }} }}\n"
+            );
+            load_text("line", &deck, &[]).unwrap_or_else(|report| panic!("{report}")).notes.join("\n")
+        };
+        assert!(notes("2.1").contains("body `sheet` is one particle long"), "{}", notes("2.1"));
+        assert!(!notes("2.2").contains("one particle long"), "{}", notes("2.2"));
     }
 
     #[test]
