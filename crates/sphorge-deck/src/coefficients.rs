@@ -10,15 +10,25 @@ pub(crate) fn coefficients(model: &Model) -> Vec<String> {
 /// Coulomb coefficient above which none of metals is.
 const ROUGHEST: f64 = 2.0;
 
-/// Friction in per cent or in degrees.
-fn too_rough(model: &Model) -> Vec<String> {
+/// Stiffness of a contact above which time steps shrink and nothing else is gained.
+const STIFFEST: f64 = 100.0;
+
+/// Friction and stiffness of contacts, with whose they are.
+fn contacts(model: &Model) -> impl Iterator<Item = (String, f64, f64)> {
+    let of_bodies = model.contact.strength().map(|of| ("between bodies".to_owned(), of.friction, of.stiffness));
     let of_walls = model.walls.iter().filter_map(|wall| match wall.contact {
-        WallContact::Penalty { friction, .. } => Some((format!("of wall `{}`", wall.name), friction)),
+        WallContact::Penalty { friction, stiffness, .. } => {
+            Some((format!("of wall `{}`", wall.name), friction, stiffness))
+        }
         WallContact::MonaghanKos { .. } => None,
     });
-    let of_bodies = model.contact.strength().map(|strength| ("between bodies".to_owned(), strength.friction));
-    let rough = of_bodies.into_iter().chain(of_walls).filter(|(_, friction)| *friction > ROUGHEST);
-    let note = |(whose, friction): (String, f64)| {
+    of_bodies.into_iter().chain(of_walls)
+}
+
+/// Friction in per cent or in degrees.
+fn too_rough(model: &Model) -> Vec<String> {
+    let rough = contacts(model).filter(|(_, friction, _)| *friction > ROUGHEST);
+    let note = |(whose, friction, _)| {
         format!(
             "the friction coefficient {whose} is {friction}: metals have 0.05 to 1; it is a ratio of forces, neither a percentage nor an angle"
         )
@@ -26,20 +36,13 @@ fn too_rough(model: &Model) -> Vec<String> {
     rough.map(note).collect()
 }
 
-/// Stiffness of a contact above which time steps shrink and nothing else is gained.
-const STIFFEST: f64 = 100.0;
-
 /// A modulus in place of a ratio.
 fn too_stiff(model: &Model) -> Vec<String> {
-    let of_walls = model.walls.iter().filter_map(|wall| match wall.contact {
-        WallContact::Penalty { stiffness, .. } => Some((format!("of wall `{}`", wall.name), stiffness)),
-        WallContact::MonaghanKos { .. } => None,
-    });
-    let of_bodies = model.contact.strength().map(|strength| ("between bodies".to_owned(), strength.stiffness));
-    let stiff = of_bodies.into_iter().chain(of_walls).filter(|(_, stiffness)| *stiffness > STIFFEST);
-    let note = |(whose, stiffness): (String, f64)| {
+    let stiff = contacts(model).filter(|(.., stiffness)| *stiffness > STIFFEST);
+    let note = |(whose, _, stiffness)| {
         format!(
-            "the stiffness of the contact {whose} is {stiffness:e}: it is a ratio to the stiffness of the cells that meet, no modulus; 1 is usual, and the time step falls with its square root"
+            "the stiffness of the contact {whose} is {stiffness:e}: it is a ratio to the stiffness of the cells that meet, no modulus; 1 is usual, and \
+             the time step falls with its square root"
         )
     };
     stiff.map(note).collect()

@@ -56,7 +56,7 @@ struct Fault {
 
 /// Writes a register of a machine that is none of those that are read; `spare` stands for it meanwhile. No closure: one is compiled by itself, and then
 /// without the instructions of the processor.
-macro_rules! write {
+macro_rules! write_register {
     ($own:ident, $spare:ident, $register:expr, |$to:ident| $write:expr) => {{
         std::mem::swap(&mut $own.registers[$register as usize], &mut $spare);
         {
@@ -137,11 +137,11 @@ impl<'a> Machine<'a> {
         while let Some(instruction) = program.instructions.get(place) {
             place += 1;
             match *instruction {
-                Instruction::Unary(operation, to, a) => write!(self, spare, to, |to| {
+                Instruction::Unary(operation, to, a) => write_register!(self, spare, to, |to| {
                     unary(operation, to, &self.mask, self.row(a));
                     observer.made(operation.into(), &self.mask, to);
                 }),
-                Instruction::Binary(operation, to, [a, b]) => write!(self, spare, to, |to| {
+                Instruction::Binary(operation, to, [a, b]) => write_register!(self, spare, to, |to| {
                     let of = [self.row(a), self.row(b)];
                     if O::AS_GPUS {
                         binary::<true>(operation, to, &self.mask, of);
@@ -151,9 +151,9 @@ impl<'a> Machine<'a> {
                     observer.made(operation.into(), &self.mask, to);
                 }),
                 Instruction::MultiplyAdd(to, [a, b, c]) if O::AS_GPUS => {
-                    write!(self, spare, to, |to| multiply_add(to, [self.row(a), self.row(b), self.row(c)]));
+                    write_register!(self, spare, to, |to| multiply_add(to, [self.row(a), self.row(b), self.row(c)]));
                 }
-                Instruction::MultiplyAdd(to, [a, b, c]) => write!(self, spare, to, |to| {
+                Instruction::MultiplyAdd(to, [a, b, c]) => write_register!(self, spare, to, |to| {
                     binary::<false>(Binary::Multiply, to, &self.mask, [self.row(a), self.row(b)]);
                     observer.made(Kind::SumOrProduct, &self.mask, to);
                     let product = *to;
@@ -162,14 +162,17 @@ impl<'a> Machine<'a> {
                 }),
                 Instruction::SelectLess(to, [a, b, c, d]) => {
                     observer.chosen(place - 1, || self.mask.less(self.row(a), self.row(b)));
-                    write!(self, spare, to, |to| select_less(to, [self.row(a), self.row(b), self.row(c), self.row(d)]));
+                    write_register!(self, spare, to, |to| select_less(
+                        to,
+                        [self.row(a), self.row(b), self.row(c), self.row(d)]
+                    ));
                 }
                 Instruction::Assign { variable, value } => {
-                    write!(self, spare, variable, |to| assign(to, &self.mask, self.row(value)));
+                    write_register!(self, spare, variable, |to| assign(to, &self.mask, self.row(value)));
                 }
                 Instruction::Load { to, buffer, at } => {
                     let is_beyond;
-                    write!(self, spare, to, |to| is_beyond = self.load(to, buffer, at));
+                    write_register!(self, spare, to, |to| is_beyond = self.load(to, buffer, at));
                     if is_beyond {
                         return Err(self.fault(buffer, at));
                     }
@@ -225,7 +228,7 @@ impl<'a> Machine<'a> {
                     if going_on.is_empty {
                         place = exit as usize;
                     } else {
-                        write!(self, spare, counter, |to| *to = *self.row(first));
+                        write_register!(self, spare, counter, |to| *to = *self.row(first));
                         self.outer.push(std::mem::replace(&mut self.mask, going_on));
                     }
                 }

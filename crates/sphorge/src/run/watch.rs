@@ -1,8 +1,8 @@
 //! Checks that say of a run that it is broken.
 //!
 //! Sums of the ledger are looked at in every row of the history, particles at most every [`PARTICLE_STEPS`] steps, pairs of particles,
-//! which need a search, at most every [`PAIR_STEPS`], pieces of bodies every [`PIECE_STEPS`]: all of it is less than a hundredth of the work of the steps. What a check says, and
-//! what to do about it, is in `docs/warnings.md`.
+//! which need a search, and cells of other bodies at most every [`PAIR_STEPS`], pieces of bodies every [`PIECE_STEPS`]: all of it is less than a hundredth
+//! of the work of the steps. What a check says, and what to do about it, is in `docs/warnings.md`.
 
 mod cure;
 mod start;
@@ -27,7 +27,7 @@ use std::f64::consts::PI;
 
 /// Steps between two looks at the particles.
 const PARTICLE_STEPS: u64 = 20;
-/// Steps between two searches for pairs.
+/// Steps between two searches for pairs, and for particles in cells of other bodies.
 const PAIR_STEPS: u64 = 200;
 /// Steps between two looks for pieces, a search on one thread.
 const PIECE_STEPS: u64 = 500;
