@@ -107,8 +107,9 @@ fn is_squeezed(model: &Model) -> bool {
 /// What faces bear before they give way, over the pressure behind the shocks of an impact: the first swing, and what two shocks make where they meet.
 const BORNE: f64 = 3.0;
 
-/// The energy that they stop before they give way, over that with which the impact meets them.
-const STOPPED: f64 = 1.5;
+/// The energy that they stop before they give way, over that with which the impact meets them. Plates of copper with spacings of 1 : 1.4 passed through each other from
+/// 6 to 9 km/s with 1.5.
+const STOPPED: f64 = 2.5;
 
 /// What flat faces have to bear in a model if each material meets the like as fast as anything does: behind both shocks `rho v/2 (c + S v/2)` with `S = 1.5`,
 /// as metals have it, and `rho v^2/4` of the two cells that meet. What is driven meets them with all of its speed, as if the other half were as fast.

@@ -7,8 +7,9 @@ use sphorge_engine::model::{BodyContact, Model};
 use sphorge_engine::{COINCIDENCE, FacetLaws, Particles};
 use sphorge_physics::conduction::friction_share;
 use sphorge_physics::facet::{
-    Facet, FacetMaterial, FacetPairLaw, FacetPress, FacetSlip, FacetStrength, FrictionShare, Partner, ReferenceFacet,
-    SlipDrive, edges_reversed, friction_force, moment_of_torn, press, slip_after, stress_of_moment,
+    EdgeSprings, Facet, FacetMaterial, FacetPairLaw, FacetPress, FacetSlip, FacetStrength, FrictionShare, OnSides,
+    Partner, ReferenceFacet, SharedEdge, SlipDrive, edges_reversed, friction_force, half_of_misfit, moment_of_edge,
+    moment_of_torn, press, slip_after, stress_of_moment,
 };
 use sphorge_physics::tensor::{dot, multiply};
 use sphorge_physics::time_step::oscillator_limit;
@@ -31,6 +32,19 @@ pub(crate) struct Facets {
     springs: Vec<[(FacetSlip<f64>, f64); 6]>,
     /// Velocity gradients at the velocities at which forces are evaluated, 1/s.
     gradient: Vec<Tensor<f64>>,
+    /// Shifts of the edges of cells, m.
+    shifts: Vec<OnSides<f64>>,
+}
+
+/// An edge between the cell of a particle and the next one, or an image of it.
+struct EdgeTo {
+    side: usize,
+    way: Vector<f64>,
+    j: usize,
+    image: Image,
+    edge: SharedEdge<f64>,
+    /// Rate of its distance, m/s.
+    rate: Vector<f64>,
 }
 
 /// A face of a cell, or a part of one.
@@ -95,6 +109,7 @@ impl Facets {
             has_friction: friction > 0.0,
             springs: vec![[(FacetSlip::none(), 0.0); 6]; p.len()],
             gradient: vec![[[0.0; 3]; 3]; p.len()],
+            shifts: vec![OnSides::zero(); p.len()],
         };
         facets.list(p);
         Some(facets)
@@ -137,6 +152,8 @@ fn reflected(facet: &Facet<f64>, image: &Image) -> Facet<f64> {
         normal: image.vector(facet.normal),
         curvature: SymmetricTensor::symmetric_part(&curvature),
         free: if image.is_mirrored() { edges_reversed(facet.free) } else { facet.free },
+        shift: image.vector(facet.shift),
+        shear: image.tensor(&facet.shear),
         ..*facet
     }
 }
@@ -152,6 +169,32 @@ impl Oracle {
         let reach = self.model.numerics.kernel.support() * self.model.bodies[body].smoothing_length;
         let are_whole = self.integrity[i] > 0.0 && self.integrity[j] > 0.0;
         self.model.has_self_contact() && !self.has_come_apart[body] && are_whole && dot(apart, apart) >= reach * reach
+    }
+
+    fn whole_deformation(&self, i: usize) -> Tensor<f64> {
+        multiply(&self.deformation[i], &self.earlier_deformation[i])
+    }
+
+    /// Edges that the facets of a particle share with those beside it: whatever is where it was at the start.
+    fn edges(&self, facets: &Facets, i: usize) -> Vec<EdgeTo> {
+        let Some(beside) = facets.all.beside(self.p.id[i]) else { return Vec::new() };
+        let f = self.whole_deformation(i);
+        let turned = multiply(&facets.gradient[i], &f);
+        let mut edges = Vec::new();
+        for (side, way) in (0..6).filter_map(|side| Some((side, beside.way(side)?))) {
+            for &(j, image) in &self.rows[i] {
+                let image = self.images[image];
+                let to = |own: Vector<f64>, other: Vector<f64>| minus(image.point(other), own);
+                let off = minus(to(self.searched_at[i], self.searched_at[j]), way);
+                if dot(off, off).sqrt() > 0.1 * dot(way, way).sqrt() {
+                    continue;
+                }
+                let edge = SharedEdge::of(to(self.p.position[i], self.p.position[j]), &f, way);
+                let velocity = minus(image.vector(self.evaluated[j]), self.evaluated[i]);
+                edges.push(EdgeTo { side, way, j, image, edge, rate: half_of_misfit(velocity, &turned, way) });
+            }
+        }
+        edges
     }
 
     /// All facets that press one.
@@ -212,10 +255,16 @@ impl Oracle {
     pub(crate) fn follow_facets(&mut self) {
         let Some(mut facets) = self.facets.take() else { return };
         facets.gradient = self.evaluated_gradients();
+        for i in 0..self.p.len() {
+            let mut shifts = OnSides::zero();
+            self.edges(&facets, i).iter().for_each(|edge| *shifts.on_mut(edge.side) = edge.edge.shift());
+            facets.shifts[i] = shifts;
+        }
         let now = |part: &Part| {
             let i = part.owner;
-            let whole = multiply(&self.deformation[i], &self.earlier_deformation[i]);
-            Facet::now(self.p.position[i], &whole, &part.facet).held(part.facet.depth)
+            let whole = self.whole_deformation(i);
+            let facet = Facet::now(self.p.position[i], &whole, &part.facet);
+            facet.shifted(&part.facet, &whole, &facets.shifts[i]).held(part.facet.depth)
         };
         facets.now = facets.reference.iter().map(now).collect();
         if facets.has_friction {
@@ -244,12 +293,14 @@ impl Oracle {
         let mut force = vec![[0.0; 3]; count];
         let mut moment: Vec<Tensor<f64>> = vec![[[0.0; 3]; 3]; count];
         let (mut heat, mut rubbed) = (vec![0.0; count], vec![0.0; count]);
-        let (mut stiffness, mut damping) = (vec![0.0; count], vec![0.0; count]);
+        let (mut stiffness, mut lateral, mut damping) = (vec![0.0; count], vec![0.0f64; count], vec![0.0; count]);
         self.accounts.held.fill(0.0);
         let places = self.model.contact_pairs();
         let place = |a: usize, b: usize| places.iter().position(|&pair| pair == (a.min(b), a.max(b)));
+        let edges: Vec<Vec<EdgeTo>> = (0..count).map(|i| self.edges(&facets, i)).collect();
         for own in 0..facets.reference.len() {
             let i = facets.reference[own].owner;
+            let whole = self.whole_deformation(i);
             let a = self.p.body[i] as usize;
             for mut met in self.pressing(&facets, own) {
                 let (law, j) = (*self.facet_law(&facets, &met), facets.reference[met.other].owner);
@@ -269,7 +320,30 @@ impl Oracle {
                 let of_own = [0, 1, 2].map(|k| plus(of_own[k], 1.0, torn[k]));
                 let f = met.press.force.map(|f| sign * f);
                 let l = &facets.gradient[i];
-                let power = dot(f, self.evaluated[i]) + (0..3).map(|k| dot(of_own[k], l[k])).sum::<f64>();
+                let mut power = dot(f, self.evaluated[i]) + (0..3).map(|k| dot(of_own[k], l[k])).sum::<f64>();
+                let (pull, differs) = if met.is_first { met.press.edges_a } else { met.press.edges_b }.followed(facet);
+                let reference = &facets.reference[own].facet;
+                let sides = pull.on_sides(reference, &whole);
+                let by_misfit = met.press.by_misfit[usize::from(!met.is_first)];
+                let springs = EdgeSprings::of(reference, &whole, &facets.shifts[i], by_misfit);
+                for of_edges in [&springs.moment, &differs] {
+                    (0..3).for_each(|k| moment[i][k] = plus(moment[i][k], 1.0, of_edges[k]));
+                    power += (0..3).map(|k| dot(of_edges[k], l[k])).sum::<f64>();
+                }
+                lateral[i] += springs.stiffness / self.p.mass[i];
+                for edge in &edges[i] {
+                    // On the way to the next particle and back from it.
+                    let both = plus(*sides.on(edge.side), 1.0, *springs.sides.on(edge.side));
+                    let pull = edge.edge.tangent(both);
+                    let half = pull.map(|c| 0.5 * c);
+                    power += dot(pull, edge.rate);
+                    force[i] = plus(force[i], -1.0, half);
+                    force[edge.j] = plus(force[edge.j], 1.0, edge.image.vector(half));
+                    self.contact_exerted.push((i, edge.j, edge.image, half.map(|c| -c)));
+                    self.contact_exerted.push((edge.j, i, edge.image.back(), edge.image.vector(half)));
+                    let turning = moment_of_edge(pull, &whole, edge.way);
+                    (0..3).for_each(|k| moment[i][k] = plus(moment[i][k], 1.0, turning[k]));
+                }
                 force[i] = plus(force[i], 1.0, f);
                 (0..3).for_each(|k| moment[i][k] = plus(moment[i][k], 1.0, of_own[k]));
                 let of_friction =
@@ -312,7 +386,7 @@ impl Oracle {
             }
             self.friction_heat[i] += rubbed[i] / self.p.mass[i];
             self.contact_push.push((force[i], heat[i], 0.0));
-            let limit = MARGIN * oscillator_limit(2.0 * stiffness[i], 2.0 * damping[i]);
+            let limit = MARGIN * oscillator_limit(2.0 * lateral[i].max(stiffness[i]), 2.0 * damping[i]);
             self.accounts.contact_limit = self.accounts.contact_limit.min(limit);
         }
         self.accounts.start_holding();

@@ -54,6 +54,11 @@ impl Image {
         [0, 1, 2].map(|a| self.sign[a] * v[a])
     }
 
+    /// The image that its particle is of itself.
+    pub(crate) fn back(&self) -> Self {
+        Self { sign: self.sign, shift: [0, 1, 2].map(|a| -self.sign[a] * self.shift[a]) }
+    }
+
     pub(crate) fn third_order(&self, t: &ThirdOrder) -> ThirdOrder {
         let mut seen = t.map(|t| self.tensor(&t));
         (0..3).for_each(|a| seen[a] = seen[a].map(|row| row.map(|c| self.sign[a] * c)));

@@ -32,6 +32,7 @@
 //! of slots, of which several may hold the same vertex.
 
 mod clip;
+mod edges;
 mod friction;
 mod lap;
 mod limit;
@@ -40,6 +41,7 @@ mod segment;
 mod spread;
 mod torn;
 
+pub use edges::{EdgeForces, EdgeSprings, OnSides, Pull, SharedEdge, half_of_misfit, moment_of_edge};
 pub use friction::{FacetSlip, FrictionShare, SlipDrive, damp_sliding, friction_force, slip_after};
 pub use limit::{FacetStiffness, MARGIN, MOBILITY};
 pub use press::{FacetImpact, FacetMaterial, FacetPairLaw, FacetPress, FacetStrength, Partner, press};
@@ -73,6 +75,9 @@ pub struct ReferenceFacet<T> {
     /// One for each edge, from a corner to the next, at which the body ends in another face of the same cell that looks elsewhere; zero for one at which
     /// its surface goes on.
     pub free: [T; 4],
+    /// A row for each axis of the cell along which there is another cell beside this one: along that axis, over the square of the width of the cell, 1/m. Zero for
+    /// the axis across the facet.
+    pub across: Tensor<T>,
 }
 
 /// What belongs to the edges of four corners, for the same corners the other way round, `[b, a, d, c]` for `[a, b, c, d]`.
@@ -86,8 +91,8 @@ impl<T: Real> ReferenceFacet<T> {
     pub fn flat(corners: [Vector<T>; 4], normal: Vector<T>) -> Self {
         let quarter = T::of(0.25);
         let middle = [0, 1, 2].map(|a| quarter * (corners[0][a] + corners[1][a] + (corners[2][a] + corners[3][a])));
-        let free = [T::zero(); 4];
-        Self { corners, middle, normal, curvature: SymmetricTensor::zero(), depth: dot(middle, normal), free }
+        let (free, across) = ([T::zero(); 4], [[T::zero(); 3]; 3]);
+        Self { corners, middle, normal, curvature: SymmetricTensor::zero(), depth: dot(middle, normal), free, across }
     }
 
     /// A flat facet in the plane, of unit thickness, between two ends (m, from the owner); its outward normal is to the right of the way from
@@ -140,6 +145,14 @@ pub struct Facet<T> {
     pub area: T,
     /// [`ReferenceFacet::free`].
     pub free: [T; 4],
+    /// How far its edges are from where the owner carries them, m, were they at the middle ([`SharedEdge`]); zero unless [`Self::shifted`].
+    pub shift: Vector<T>,
+    /// Change of that with the place from the middle where the owner carries it.
+    pub shear: Tensor<T>,
+    /// `M` of the stretches of its edges ([`EdgeSprings`]).
+    pub misfit: T,
+    /// Distance of the owner from the plane at rest, m.
+    pub rest_depth: T,
 }
 
 impl<T: Real> Facet<T> {
@@ -158,6 +171,10 @@ impl<T: Real> Facet<T> {
             depth: reference.depth / length,
             area: reference.area() * determinant(f) * length,
             free: reference.free,
+            shift: [T::zero(); 3],
+            shear: [[T::zero(); 3]; 3],
+            misfit: T::zero(),
+            rest_depth: reference.depth,
         }
     }
 
@@ -177,6 +194,10 @@ impl<T: Real> Facet<T> {
             depth: zero,
             area: zero,
             free: [zero; 4],
+            shift: [zero; 3],
+            shear: [[zero; 3]; 3],
+            misfit: zero,
+            rest_depth: zero,
         }
     }
 
@@ -199,6 +220,10 @@ impl<T: Real> Facet<T> {
             depth,
             area: flat.area().max(zero),
             free: [zero; 4],
+            shift: [zero; 3],
+            shear: [[zero; 3]; 3],
+            misfit: zero,
+            rest_depth: depth,
         }
     }
 }
@@ -212,7 +237,8 @@ pub fn stress_of_moment<T: Real>(moment: &Tensor<T>, f: &Tensor<T>) -> Tensor<T>
 impl<T: Real> Numbers<T> for Facet<T> {
     #[inline(always)]
     fn each(&mut self, visit: &mut dyn FnMut(&mut T)) {
-        let Self { owner, corners, middle, normal, curvature, depth, area, free } = self;
+        let Self { owner, corners, middle, normal, curvature, depth, area, free, shift, shear, misfit, rest_depth } =
+            self;
         owner.each(visit);
         corners.each(visit);
         middle.each(visit);
@@ -221,6 +247,10 @@ impl<T: Real> Numbers<T> for Facet<T> {
         visit(depth);
         visit(area);
         free.each(visit);
+        shift.each(visit);
+        shear.each(visit);
+        visit(misfit);
+        visit(rest_depth);
     }
 }
 

@@ -12,6 +12,7 @@ use super::faces::WholeDeformation;
 use super::facets::{CellSlips, FacetContacts, FacetPoints, face_stress as stress_of_faces};
 use super::ghosts::{Ghosts, WithGhosts};
 use super::self_contact::Surfaces;
+use super::shared_edges::{CellEdges, Neighbors, Pulls, PullsOfBlock, store_pulls};
 use crate::halo::{Halo, Image};
 use crate::lanes::PairScalar;
 use crate::model::Model;
@@ -21,6 +22,7 @@ use crate::persist::{Archive, ArchiveError, persist_each};
 use crate::{ContactLaws, ContactLedger, RunFailure};
 use rayon::prelude::*;
 use sphorge_physics::contact::{ContactPair, ContactStiffness, Overlap, contact_force, share_of_released, stopping};
+use sphorge_physics::facet::OnSides;
 use sphorge_physics::surface::FaceShift;
 use sphorge_physics::{Tensor, Vector, tensor::dot};
 
@@ -42,6 +44,8 @@ pub(super) struct BodyContacts {
     works: Vec<Works>,
     /// Forces and heat of particles that have neighbours in contact, block by block.
     pushes: Vec<Vec<(usize, Push)>>,
+    /// Forces on the edges of these, block by block.
+    pulls: Vec<PullsOfBlock>,
     /// Which bodies that met others at facets have come apart in this step.
     released: Vec<bool>,
 }
@@ -246,6 +250,7 @@ impl BodyContacts {
             now: vec![PairSums::default(); pairs],
             works: vec![Works::default(); pairs],
             pushes: vec![Vec::new(); particles.div_ceil(BLOCK)],
+            pulls: vec![Vec::new(); particles.div_ceil(BLOCK)],
             released: vec![false; model.bodies.len()],
         })
     }
@@ -256,6 +261,7 @@ impl BodyContacts {
         self.partial.resize(blocks, BlockSums::default());
         self.limits.resize(blocks, f64::INFINITY);
         self.pushes.resize(blocks, Vec::new());
+        self.pulls.resize(blocks, Vec::new());
     }
 
     /// Images that pairs refer to, if they are not those of the list.
@@ -355,6 +361,16 @@ impl BodyContacts {
         })
     }
 
+    /// Forces on the edges that facets share, where bodies meet at facets.
+    pub(super) fn pulls<'a>(
+        &'a self,
+        particles: &'a Particles,
+        ghosts: &'a Ghosts,
+        list: &NeighborList,
+    ) -> Option<Pulls<'a>> {
+        self.facets.as_ref().map(|facets| Pulls::new(facets, particles, ghosts, list))
+    }
+
     /// Smoothing lengths of particles in the contact, by body, m.
     pub(super) fn smoothing_lengths(&self) -> &[f64] {
         &self.table.smoothing_length
@@ -419,6 +435,7 @@ impl BodyContacts {
             + self.facets.as_ref().map_or(0, FacetContacts::bytes)
             + self.foreign.bytes()
             + pushes * size_of::<(usize, Push)>()
+            + self.pulls.iter().map(Vec::capacity).sum::<usize>() * size_of::<(usize, OnSides<f64>)>()
             + sums * size_of::<(usize, PairSums)>()
             + self.partial.capacity() * size_of::<BlockSums>()
     }
@@ -559,7 +576,7 @@ impl<T: PairScalar> CpuEngine<T> {
     /// A rank is lost.
     pub(super) fn push_bodies(&mut self) -> Result<(), RunFailure> {
         let Some(contacts) = &mut self.contacts else { return Ok(()) };
-        let BodyContacts { foreign, search, facets, table, partial, limits, pushes, .. } = contacts;
+        let BodyContacts { foreign, search, facets, table, partial, limits, pushes, pulls, .. } = contacts;
         let ghosts = search.as_ref().map_or(&self.ghosts.columns, |search| &search.ghosts.columns);
         let mut friction_heat = std::mem::take(&mut self.particles.friction_heat);
         let mut face_stress = std::mem::take(&mut self.particles.face_stress);
@@ -567,14 +584,18 @@ impl<T: PairScalar> CpuEngine<T> {
         let points = Points::new(Places::new(p, ghosts), p, ghosts);
         let whole = WholeDeformation { since: &p.deformation, earlier: &p.earlier_deformation };
         let (table, dt) = (&*table, self.step.dt);
-        let at_facets = facets.as_ref().map(|facets| (facets, FacetPoints::new(p, ghosts)));
+        let at_facets = facets.as_ref().map(|facets| {
+            let neighbors = Neighbors::new(facets, p, &self.ghosts.columns, &self.lists.list);
+            (facets, FacetPoints::new(p, ghosts), neighbors)
+        });
         let update = |block: &ForeignBlock,
                       (sums, limit): (&mut BlockSums, &mut f64),
-                      (pushes, friction_heat): (&mut Vec<(usize, Push)>, &mut [f64]),
+                      (pushes, of_edges, friction_heat): (&mut Vec<(usize, Push)>, &mut PullsOfBlock, &mut [f64]),
                       face_stress: &mut [Tensor<f64>]| {
             sums.0.clear();
             *limit = f64::INFINITY;
             pushes.clear();
+            of_edges.clear();
             for (i, row) in block.rows() {
                 let mut add_stress = |stress: Tensor<f64>| {
                     if let Some(own) = face_stress.get_mut(i % BLOCK) {
@@ -583,8 +604,20 @@ impl<T: PairScalar> CpuEngine<T> {
                         }
                     }
                 };
-                if let Some((facets, points)) = &at_facets {
-                    let (push, moment) = facets.push(i, (row, None), points, p.mass[i], table, sums);
+                if let Some((facets, points, neighbors)) = &at_facets {
+                    // Most of those that are near others press none.
+                    if facets.is_alone(i, points) && !facets.has_rubble() {
+                        continue;
+                    }
+                    let f = whole.at(i);
+                    let presses = facets.may_press(i);
+                    let edges =
+                        if presses { neighbors.edges(i, &f, &p.evaluated_gradient[i]) } else { CellEdges::new() };
+                    let own = (p.mass[i], &f, &edges);
+                    let (push, moment, pulls) = facets.push(i, (row, None), points, own, table, sums);
+                    if presses {
+                        of_edges.push((i, pulls));
+                    }
                     friction_heat[i % BLOCK] += push.friction / p.mass[i];
                     *limit = limit.min(push.limit);
                     add_stress(stress_of_faces(&moment, &p.deformation[i], p.reference_volume[i]));
@@ -593,7 +626,7 @@ impl<T: PairScalar> CpuEngine<T> {
                         continue;
                     }
                 }
-                let mut push = table.row(i, row, &points, at_facets.as_ref().map(|(facets, _)| *facets), dt, sums);
+                let mut push = table.row(i, row, &points, at_facets.as_ref().map(|(facets, ..)| *facets), dt, sums);
                 friction_heat[i % BLOCK] += push.friction / p.mass[i];
                 *limit = limit.min(push.limit);
                 let face = || FaceShift::new(&whole.at(i), p.face_arm[i]);
@@ -606,8 +639,8 @@ impl<T: PairScalar> CpuEngine<T> {
             }
         };
         let sums = partial.par_iter_mut().zip(limits);
-        let chunks =
-            (foreign.blocks().par_iter(), sums, pushes.par_iter_mut().zip(friction_heat.par_chunks_mut(BLOCK)));
+        let pushes = (pushes.par_iter_mut(), pulls.par_iter_mut(), friction_heat.par_chunks_mut(BLOCK)).into_par_iter();
+        let chunks = (foreign.blocks().par_iter(), sums, pushes);
         if face_stress.is_empty() {
             chunks.into_par_iter().for_each(|(block, sums, pushes)| update(block, sums, pushes, &mut []));
         } else {
@@ -621,6 +654,9 @@ impl<T: PairScalar> CpuEngine<T> {
             contacts.works.iter_mut().zip(&contacts.now).for_each(|(works, now)| works.initial = now.energy);
         }
         (self.particles.friction_heat, self.particles.face_stress) = (friction_heat, face_stress);
+        if let Some(facets) = &contacts.facets {
+            store_pulls(&facets.reference, &contacts.pulls, &mut self.particles);
+        }
         Ok(())
     }
 

@@ -9,6 +9,7 @@ use super::common_points::CommonPoints;
 use super::domain::Share;
 use super::faces::WholeDeformation;
 use super::facets::FacetContacts;
+use super::facing::Facing;
 use super::ghosts::{Ghosts, WithGhosts};
 use super::search::closed_in_beyond;
 use super::self_contact::Surfaces;
@@ -199,6 +200,9 @@ impl ContactSearch {
         let body = WithGhosts::new(&particles.body, &ghosts.body);
         let surfaces = Surfaces::new(&particles.reference_normal, &particles.deformation, ghosts);
         let reference = WithGhosts::new(&particles.reference_position, &ghosts.reference_position);
+        let facing = facets
+            .filter(|_| self.has_self_contact && !self.by_kernels)
+            .map(|of| Facing::new(of, particles, &self.ghosts));
         foreign.gather(&self.list, &owners, &self.members, particles.len(), |i, j| {
             let of = body.at(i) as usize;
             if of != body.at(j) as usize {
@@ -210,7 +214,10 @@ impl ContactSearch {
             let (x, other) = (reference.at(i), reference.at(j));
             let apart: Vector<f64> = [0, 1, 2].map(|a| x[a] - other[a]);
             dot(apart, apart) >= (self.support * self.smoothing_length_of[of]).powi(2)
-                && (facets.is_some() || surfaces.may_press(i, j, apart, self.spacing_of[of]))
+                && match &facing {
+                    Some(facing) => facing.may_meet(i, j),
+                    None => facets.is_some() || surfaces.may_press(i, j, apart, self.spacing_of[of]),
+                }
         });
         if let Some(share) = share {
             self.keep_met(particles, share, foreign)?;

@@ -8,110 +8,31 @@
 
 use super::CpuEngine;
 use super::contact::{BlockSums, Push};
+use super::evaluated::ReferenceWeights;
 use super::faces::WholeDeformation;
+use super::facet_bounds::{About, Arms};
+use super::facet_source::{Source, mirrored};
 use super::ghosts::{Ghosts, WithGhosts};
+use super::shared_edges::{BesidePoints, CellEdges, shifts_of};
 use crate::ContactLaws;
 use crate::facet_laws::FacetLaws;
-use crate::geometry::{CellFacet, ReferenceFacets, reversed};
+use crate::geometry::ReferenceFacets;
 use crate::lanes::PairScalar;
 use crate::model::Model;
 use crate::neighbors::{BLOCK, ForeignList};
 use crate::particles::Particles;
 use rayon::prelude::*;
+use smallvec::SmallVec;
 use sphorge_physics::contact::ContactStrength;
 use sphorge_physics::facet::{
-    Facet, FacetPairLaw, FacetPress, FacetSlip, FrictionShare, Partner, ReferenceFacet, SlipDrive, edges_reversed,
-    friction_force, moment_of_torn, press, slip_after, stress_of_moment,
+    EdgeForces, EdgeSprings, Facet, FacetPairLaw, FacetPress, FacetSlip, FrictionShare, OnSides, Partner, SlipDrive,
+    friction_force, moment_of_edge, moment_of_torn, press, slip_after, stress_of_moment,
 };
-use sphorge_physics::gradient_correction::corrected;
-use sphorge_physics::kernel::{Kernel, pair_smoothing_length};
-use sphorge_physics::tensor::{apply, dot, inverse, multiply};
-use sphorge_physics::thin::is_thin;
+use sphorge_physics::tensor::{apply, dot, plus};
 use sphorge_physics::time_step::oscillator_limit;
 use sphorge_physics::{Dimension, SymmetricTensor, Tensor, Vector};
 
 pub(super) use sphorge_physics::facet::{MARGIN, MOBILITY};
-
-/// Cosine between normals below which facets can press each other.
-const FACING: f64 = -0.3;
-
-/// Where a facet comes from.
-#[derive(Clone, Copy, Debug)]
-struct Source {
-    /// Particle or ghost.
-    point: u32,
-    /// Place among the facets of the initial configuration.
-    place: u32,
-    /// Signs of the image that the point is.
-    sign: Vector<f64>,
-}
-
-impl Source {
-    /// The facet in the initial configuration.
-    fn facet<'a>(&self, reference: &'a ReferenceFacets) -> &'a CellFacet {
-        reference.at(self.place as usize)
-    }
-
-    /// Axis and side of its face of the cell.
-    fn face(&self, reference: &ReferenceFacets) -> (usize, usize) {
-        let face = usize::from(self.facet(reference).side);
-        (face / 2, face % 2)
-    }
-
-    fn is_reversed(&self) -> bool {
-        self.sign[0] * self.sign[1] * self.sign[2] < 0.0
-    }
-}
-
-/// A ball around a facet, and how far its surface is before its plane.
-#[derive(Clone, Copy, Debug, Default)]
-struct About {
-    /// Position of the middle, m.
-    middle: Vector<f64>,
-    normal: Vector<f64>,
-    /// Distance from the middle within which the facet is, m.
-    radius: f64,
-    /// The most by which curvature takes the surface before the plane, m.
-    bulge: f64,
-}
-
-impl About {
-    fn new(facet: &Facet<f64>) -> Self {
-        let to_corner = |corner: &Vector<f64>| {
-            let way: Vector<f64> = std::array::from_fn(|k| corner[k] - facet.middle[k]);
-            dot(way, way)
-        };
-        let squared = facet.corners.iter().map(to_corner).fold(0.0, f64::max);
-        let bent: f64 = facet.curvature.to_array().iter().map(|c| c.abs()).sum();
-        Self {
-            middle: std::array::from_fn(|k| facet.owner[k] + facet.middle[k]),
-            normal: facet.normal,
-            radius: squared.sqrt(),
-            // Off the diagonal twice.
-            bulge: bent * squared,
-        }
-    }
-
-    /// Whether facets face each other, one is before the other, seen along the bisector of their normals, and their gap may be closed there.
-    fn may_press(&self, other: &Self) -> bool {
-        if dot(self.normal, other.normal) >= FACING {
-            return false;
-        }
-        let (mut across, mut squared, mut along) = (0.0, 0.0, 0.0);
-        for k in 0..3 {
-            let (apart, way) = (other.normal[k] - self.normal[k], self.middle[k] - other.middle[k]);
-            across += apart * apart;
-            squared += way * way;
-            along += way * apart;
-        }
-        let reach = self.radius + other.radius;
-        // Both planes are as steep.
-        let sine = (1.0 - 0.25 * across).max(0.0).sqrt();
-        let gap = along / across.sqrt() - reach * sine - self.bulge - other.bulge;
-        // Rounding decides nothing here.
-        squared - along * along / across <= reach * reach * (1.0 + 1e-9) && gap <= 1e-9 * reach
-    }
-}
 
 /// What may press in the rows of a block, by the numbers of the own facet and the other; and what does.
 #[derive(Default)]
@@ -133,6 +54,10 @@ struct Found {
 pub(super) struct FacetContacts {
     dimension: Dimension,
     pub(super) reference: ReferenceFacets,
+    /// How far their corners are from the owner along each axis.
+    arms: Arms,
+    pub(super) beside: BesidePoints,
+    pub(super) weights: ReferenceWeights,
     pub(super) laws: FacetLaws,
     sources: Vec<Source>,
     /// Of each particle and ghost the first of its facets among those that may meet.
@@ -163,6 +88,8 @@ pub(super) struct FacetPoints<'a> {
     integrity: Option<WithGhosts<'a, f64>>,
     velocity: WithGhosts<'a, Vector<f64>>,
     gradient: WithGhosts<'a, Tensor<f64>>,
+    /// Of the edges of the low and of the high sides of cells.
+    pub(super) shifts: [WithGhosts<'a, Tensor<f64>>; 2],
     slip: [WithGhosts<'a, Tensor<f64>>; 2],
     rubbed: [WithGhosts<'a, Vector<f64>>; 2],
 }
@@ -176,6 +103,10 @@ impl<'a> FacetPoints<'a> {
                 .then(|| WithGhosts::new(&own.facet_integrity, &ghosts.facet_integrity)),
             velocity: WithGhosts::new(&own.evaluated_velocity, &ghosts.evaluated_velocity),
             gradient: WithGhosts::new(&own.evaluated_gradient, &ghosts.evaluated_gradient),
+            shifts: [
+                WithGhosts::new(&own.shifts_of_low_edges, &ghosts.shifts_of_low_edges),
+                WithGhosts::new(&own.shifts_of_high_edges, &ghosts.shifts_of_high_edges),
+            ],
             slip: [
                 WithGhosts::new(&own.slip_of_low_faces, &ghosts.slip_of_low_faces),
                 WithGhosts::new(&own.slip_of_high_faces, &ghosts.slip_of_high_faces),
@@ -189,6 +120,11 @@ impl<'a> FacetPoints<'a> {
 }
 
 impl FacetPoints<'_> {
+    /// Whether no facet of a particle holds a tangential spring or has let one go.
+    fn has_no_springs(&self, i: usize) -> bool {
+        (0..2).all(|high| self.slip[high].at(i) == [[0.0; 3]; 3] && self.rubbed[high].at(i) == [0.0; 3])
+    }
+
     /// Whether a body meets itself at the facets of these two particles: neither is severed. A severed particle is loose and may be anywhere,
     /// within its own body too; facets that it carried there would be met from behind, at any depth at once.
     fn are_whole(&self, i: usize, j: usize) -> bool {
@@ -216,7 +152,7 @@ struct Side<'a> {
 struct Met<'a> {
     own: Side<'a>,
     other: Side<'a>,
-    press: FacetPress<f64>,
+    press: &'a FacetPress<f64>,
     /// Whether the own facet is the first of the pair.
     is_first: bool,
     law: &'a FacetPairLaw<f64>,
@@ -225,11 +161,38 @@ struct Met<'a> {
     velocity: Vector<f64>,
 }
 
+/// What the pairs of a facet with a body do to the edges of the facet, which is linear in it.
+struct OnEdges {
+    facet: usize,
+    bodies: (usize, usize),
+    forces: EdgeForces<f64>,
+    /// What the energy grows by with the misfit of the facet, J.
+    by_misfit: f64,
+}
+
+impl OnEdges {
+    /// Adds a pair to that of the last one, if it is of the same facet and body: pairs of a facet come one after the other.
+    fn add(all: &mut SmallVec<[Self; 6]>, met: &Met<'_>, forces: &EdgeForces<f64>, by_misfit: f64) {
+        let (facet, bodies) = (met.own.index, met.bodies);
+        match all.last_mut().filter(|last| (last.facet, last.bodies) == (facet, bodies)) {
+            Some(last) => {
+                last.forces.add(forces);
+                last.by_misfit += by_misfit;
+            }
+            None => all.push(Self { facet, bodies, forces: *forces, by_misfit }),
+        }
+    }
+}
+
 impl FacetContacts {
     pub(super) fn new(model: &Model, strength: ContactStrength) -> Self {
+        let reference = ReferenceFacets::new(model);
         Self {
             dimension: model.dimensions.into(),
-            reference: ReferenceFacets::new(model),
+            arms: Arms::new(&reference),
+            reference,
+            beside: BesidePoints::default(),
+            weights: ReferenceWeights::default(),
             laws: FacetLaws::new(model, strength),
             sources: Vec::new(),
             first: Vec::new(),
@@ -261,9 +224,8 @@ impl FacetContacts {
             return 0.0;
         }
         let sizes = f.map(|row| row.map(f64::abs));
-        let corners = self.reference.of(id).iter().flat_map(|facet| facet.facet.corners);
-        let squared = corners.map(|corner| {
-            let arm = apply(&sizes, corner.map(f64::abs));
+        let squared = self.arms.of(id).iter().map(|corner| {
+            let arm = apply(&sizes, *corner);
             dot(arm, arm)
         });
         squared.fold(0.0, f64::max).sqrt()
@@ -278,6 +240,7 @@ impl FacetContacts {
         has_come_apart: &[bool],
     ) {
         self.apart.copy_from_slice(has_come_apart);
+        self.weights.forget();
         let count = particles.len();
         let images = ghosts.halo.images();
         let others = ghosts.count() - images.len();
@@ -327,6 +290,10 @@ impl FacetContacts {
             depth: 0.0,
             area: 0.0,
             free: [0.0; 4],
+            shift: [0.0; 3],
+            shear: [[0.0; 3]; 3],
+            misfit: 0.0,
+            rest_depth: 0.0,
         };
         self.now.clear();
         self.now.resize(self.sources.len(), none);
@@ -345,6 +312,7 @@ impl FacetContacts {
         let since = WithGhosts::new(&own.deformation, &ghosts.deformation);
         let earlier = WithGhosts::new(&own.earlier_deformation, &ghosts.earlier_deformation);
         let is_renewed = !own.earlier_deformation.is_empty();
+        let points = FacetPoints::new(own, ghosts);
         let reference = &self.reference;
         let facets = (&mut self.now, &mut self.about, &mut self.stretch, &self.sources).into_par_iter();
         facets.with_min_len(64).for_each(|(now, about, stretch, source)| {
@@ -353,7 +321,9 @@ impl FacetContacts {
             let f = if is_renewed { WholeDeformation::product(&f, &earlier.at(point)) } else { f };
             let facet = source.facet(reference).facet;
             let facet = if source.sign == [1.0; 3] { facet } else { mirrored(&facet, source) };
-            (*now, *stretch) = Facet::now(position.at(point), &f, &facet).held(facet.depth);
+            let shifts = shifts_of(&points, point, source.sign);
+            let shifted = Facet::now(position.at(point), &f, &facet).shifted(&facet, &f, &shifts);
+            (*now, *stretch) = shifted.held(facet.depth);
             *about = About::new(now);
         });
     }
@@ -426,6 +396,17 @@ impl FacetContacts {
         Side { index, point: self.sources[index].point as usize, facet: &self.now[index] }
     }
 
+    /// Whether a particle has nothing to do with others: it presses none, and its springs have let go.
+    pub(super) fn is_alone(&self, i: usize, points: &FacetPoints<'_>) -> bool {
+        !self.may_press(i) && (!self.laws.has_friction || points.has_no_springs(i))
+    }
+
+    /// Whether some pair of the particle's facets may press.
+    pub(super) fn may_press(&self, i: usize) -> bool {
+        let [from, to, ..] = self.found_of[i];
+        from < to
+    }
+
     /// Calls `visit` with every pair of the particle's facets that presses, if asked for only those with one point.
     fn each<'a>(&'a self, i: usize, only: Option<u32>, points: &FacetPoints<'_>, mut visit: impl FnMut(Met<'a>)) {
         let count = self.found_of.len();
@@ -440,7 +421,7 @@ impl FacetContacts {
                 true => self.found(i, own.index, other.index),
                 false => self.found(other.point, other.index, own.index),
             };
-            let Some(&press) = found else { continue };
+            let Some(press) = found else { continue };
             let motion = |side: Side<'_>| (points.velocity.at(side.point), points.gradient.at(side.point));
             let (a, b) = if is_first { (own, other) } else { (other, own) };
             let ((v_a, l_a), (v_b, l_b)) = (motion(a), motion(b));
@@ -468,9 +449,12 @@ impl FacetContacts {
 
     /// First pass, with friction: slips of the particle's facets after a step `dt`, s.
     pub(super) fn slips(&self, i: usize, points: &FacetPoints<'_>, dt: f64) -> CellSlips {
+        if !self.may_press(i) && points.has_no_springs(i) {
+            return CellSlips { slip: [[[0.0; 3]; 3]; 2], rubbed: [[0.0; 3]; 2] };
+        }
         let mut drives = [SlipDrive::none(); 6];
         self.each(i, None, points, |met| {
-            let share = FrictionShare::of(&met.press, met.law, met.velocity, false);
+            let share = FrictionShare::of(met.press, met.law, met.velocity, false);
             let share = if met.is_first { share } else { share.turned() };
             let (axis, high) = self.sources[met.own.index].face(&self.reference);
             drives[2 * axis + high].add(&share);
@@ -497,20 +481,25 @@ impl FacetContacts {
         i: usize,
         (row, only): (&[u32], Option<u32>),
         points: &FacetPoints<'_>,
-        mass: f64,
+        own: (f64, &Tensor<f64>, &CellEdges),
         table: &ContactLaws,
         sums: &mut BlockSums,
-    ) -> (Push, Tensor<f64>) {
+    ) -> (Push, Tensor<f64>, OnSides<f64>) {
+        let (mass, f, edges) = own;
+        let mut shifts = OnSides::zero();
+        edges.iter().for_each(|edge| *shifts.on_mut(edge.side) = edge.edge.shift());
         let mut push = Push::default();
+        let mut on_edges: SmallVec<[OnEdges; 6]> = SmallVec::new();
         let mut moment = [[0.0; 3]; 3];
-        let (mut stiffness, mut damping) = (0.0, 0.0);
+        // Against motion across facets, and along them.
+        let (mut stiffness, mut lateral, mut damping) = (0.0, 0.0f64, 0.0);
         let (v, l) = (points.velocity.at(i), points.gradient.at(i));
-        self.each(i, only, points, |mut met| {
-            let energy = met.press.energy;
+        self.each(i, only, points, |met| {
+            let mut press = *met.press;
             let sign = if met.is_first { 1.0 } else { -1.0 };
             let stretch = self.stretch[met.own.index];
             if stretch > 1.0 {
-                let force = met.press.force.map(|c| sign * c);
+                let force = press.force.map(|c| sign * c);
                 let torn = moment_of_torn(met.own.facet, stretch, force);
                 for k in 0..3 {
                     for c in 0..3 {
@@ -519,7 +508,7 @@ impl FacetContacts {
                     }
                 }
             }
-            let (force, damped) = met.press.damping(met.law, met.velocity);
+            let (force, damped) = press.damping(met.law, met.velocity);
             let mut pull = [0.0; 3];
             let (mut rubbed, mut held) = (0.0, 0.0);
             if self.laws.has_friction {
@@ -528,20 +517,20 @@ impl FacetContacts {
                 let (of_a, of_b) = if met.is_first { (own, other) } else { (other, own) };
                 let vector =
                     |side: Side<'_>, slip: &FacetSlip<f64>| slip.vector(&self.now[self.lead[side.index] as usize]);
-                pull = friction_force(&met.press, met.law, vector(a, &of_a.0), vector(b, &of_b.0), false);
-                let share = FrictionShare::of(&met.press, met.law, met.velocity, false).stiffness;
+                pull = friction_force(&press, met.law, vector(a, &of_a.0), vector(b, &of_b.0), false);
+                let share = FrictionShare::of(&press, met.law, met.velocity, false).stiffness;
                 rubbed = share * (own.1 + other.1);
                 // Of what the own spring holds, the part of this pair.
                 held = if share > 0.0 { share / own.0.stiffness * own.0.energy() } else { 0.0 };
             }
             let at_centre: Vector<f64> = std::array::from_fn(|k| force[k] + pull[k]);
-            met.press.add_at_centre(at_centre);
-            let of_own = if met.is_first { &met.press.moment_a } else { &met.press.moment_b };
+            press.add_at_centre(at_centre);
+            let of_own = if met.is_first { &press.moment_a } else { &press.moment_b };
             let mut power = 0.0;
             let (a, b) = met.bodies;
             let sum = sums.of(table.place(a, b));
             for k in 0..3 {
-                let force = sign * met.press.force[k];
+                let force = sign * press.force[k];
                 push.force[k] += force;
                 power += force * v[k];
                 if a < b {
@@ -552,16 +541,18 @@ impl FacetContacts {
                     power += of_own[k][c] * l[k][c];
                 }
             }
+            let of_own = if met.is_first { &press.edges_a } else { &press.edges_b };
+            OnEdges::add(&mut on_edges, &met, of_own, press.by_misfit[usize::from(!met.is_first)]);
             let friction = table.friction_share(a, b) * rubbed;
             push.heat += 0.5 * damped + friction;
             push.friction += friction;
             // The other half comes from the row of the other particle.
-            sum.energy += 0.5 * energy + held;
+            sum.energy += 0.5 * press.energy + held;
             sum.stored -= power;
             sum.friction += friction;
             sum.damped += 0.5 * damped;
-            let mobility = MOBILITY * met.press.area / mass;
-            stiffness += mobility * met.press.stiffness;
+            let mobility = MOBILITY * press.area / mass;
+            stiffness += mobility * press.stiffness;
             damping += mobility * met.law.damping;
         });
         let released = self.released(i, points);
@@ -572,17 +563,43 @@ impl FacetContacts {
                 sums.of(table.place(points.body.at(i) as usize, points.body.at(other) as usize)).friction += released;
             }
         }
+        let mut pulls = OnSides::zero();
+        for OnEdges { facet, bodies: (a, b), forces, by_misfit } in on_edges {
+            let (pull, differs) = forces.followed(&self.now[facet]);
+            let facet = &self.sources[facet].facet(&self.reference).facet;
+            let of_sides = pull.on_sides(facet, f);
+            let springs = EdgeSprings::of(facet, f, &shifts, by_misfit);
+            let of_edges = plus(&springs.moment, 1.0, &differs);
+            let mut power: f64 = (0..3).map(|k| dot(of_edges[k], l[k])).sum();
+            for edge in edges {
+                let (of_side, spring) = (*of_sides.on(edge.side), *springs.sides.on(edge.side));
+                let all = pulls.on_mut(edge.side);
+                for k in 0..3 {
+                    let pull = of_side[k] + spring[k];
+                    power += pull * edge.rate[k];
+                    all[k] += pull;
+                }
+            }
+            moment = plus(&moment, 1.0, &of_edges);
+            lateral += springs.stiffness / mass;
+            sums.of(table.place(a, b)).stored -= power;
+        }
+        for edge in edges {
+            let pull = pulls.on_mut(edge.side);
+            *pull = edge.edge.tangent(*pull);
+            moment = plus(&moment, 1.0, &moment_of_edge(*pull, f, edge.way));
+        }
         for k in 0..3 {
             push.heat += dot(moment[k], l[k]);
         }
         // Twice the sum accounts for neighbours that oscillate against the particle.
-        push.limit = MARGIN * oscillator_limit(2.0 * stiffness, 2.0 * damping);
-        (push, moment)
+        push.limit = MARGIN * oscillator_limit(2.0 * lateral.max(stiffness), 2.0 * damping);
+        (push, moment, pulls)
     }
 
     /// Power of the springs of a particle's facets that have lost their last partner, W: what they held is its heat.
     fn released(&self, i: usize, points: &FacetPoints<'_>) -> f64 {
-        if !self.laws.has_friction {
+        if !self.laws.has_friction || points.has_no_springs(i) {
             return 0.0;
         }
         let leads = self.facets_of(i).filter(|&index| self.lead[index] as usize == index);
@@ -609,11 +626,15 @@ impl FacetContacts {
         table: &ContactLaws,
     ) -> Vector<f64> {
         let points = FacetPoints::new(own, ghosts);
-        self.push(i, (&[j], Some(j)), &points, own.mass[i], table, &mut BlockSums::default()).0.force
+        let own = (own.mass[i], &own.deformation[i], &CellEdges::new());
+        self.push(i, (&[j], Some(j)), &points, own, table, &mut BlockSums::default()).0.force
     }
 
     pub(super) fn bytes(&self) -> usize {
         self.reference.bytes()
+            + self.arms.bytes()
+            + self.beside.bytes()
+            + self.weights.bytes()
             + 4 * (self.first.capacity() + self.lead.capacity())
             + self.sources.capacity() * size_of::<Source>()
             + self.now.capacity() * size_of::<Facet<f64>>()
@@ -628,54 +649,6 @@ impl FacetContacts {
     }
 }
 
-/// The facet of an image.
-fn mirrored(facet: &ReferenceFacet<f64>, source: &Source) -> ReferenceFacet<f64> {
-    let sign = source.sign;
-    let turned = |v: Vector<f64>| -> Vector<f64> { std::array::from_fn(|k| sign[k] * v[k]) };
-    let corners = facet.corners.map(turned);
-    let mirror = [[sign[0], 0.0, 0.0], [0.0, sign[1], 0.0], [0.0, 0.0, sign[2]]];
-    ReferenceFacet {
-        corners: if source.is_reversed() { reversed(corners) } else { corners },
-        middle: turned(facet.middle),
-        normal: turned(facet.normal),
-        curvature: facet.curvature.congruence(&mirror),
-        depth: facet.depth,
-        free: if source.is_reversed() { edges_reversed(facet.free) } else { facet.free },
-    }
-}
-
-/// Sums over the neighbours in the reference configuration.
-#[derive(Clone, Copy)]
-struct ReferenceSum<'a> {
-    kernel: Kernel,
-    dimension: Dimension,
-    position: WithGhosts<'a, Vector<f64>>,
-    volume: WithGhosts<'a, f64>,
-    smoothing_length: WithGhosts<'a, f64>,
-    velocity: WithGhosts<'a, Vector<f64>>,
-}
-
-impl ReferenceSum<'_> {
-    /// `dF/dt` at the velocities at which forces are evaluated, before the correction, 1/s.
-    fn rate(&self, i: usize, row: &[u32]) -> Tensor<f64> {
-        let mut rate = [[0.0; 3]; 3];
-        let (x_i, v_i, h_i) = (self.position.at(i), self.velocity.at(i), self.smoothing_length.at(i));
-        for &j in row {
-            let j = j as usize;
-            let (x_j, v_j) = (self.position.at(j), self.velocity.at(j));
-            let x: Vector<f64> = std::array::from_fn(|k| x_i[k] - x_j[k]);
-            let h = pair_smoothing_length(h_i, self.smoothing_length.at(j));
-            let weight = -self.volume.at(j) * self.kernel.slope(self.dimension, dot(x, x).sqrt(), h);
-            for k in 0..3 {
-                for c in 0..3 {
-                    rate[k][c] += weight * (v_j[k] - v_i[k]) * x[c];
-                }
-            }
-        }
-        rate
-    }
-}
-
 impl<T: PairScalar> CpuEngine<T> {
     /// What is severed takes no part in the contact of its body with itself, from the step after that in which it was.
     pub(super) fn take_out_severed(&mut self) {
@@ -683,56 +656,6 @@ impl<T: PairScalar> CpuEngine<T> {
         let history = &*history;
         let all = facet_integrity.par_iter_mut().with_min_len(BLOCK).enumerate();
         all.for_each(|(i, integrity)| *integrity = history.integrity_of(i));
-    }
-
-    /// Velocity gradients of what may meet at facets, at the velocities at which forces are evaluated: as their forces work
-    /// in the sums over particles. That of the deformation belongs to the middle of the step.
-    pub(super) fn follow_evaluated(&mut self) {
-        let contacts = self.contacts.as_ref().filter(|contacts| contacts.facets.is_some());
-        if contacts.is_none() && self.facets_on_walls.is_none() {
-            return;
-        }
-        let mut gradients = std::mem::take(&mut self.particles.evaluated_gradient);
-        let mut face_sums = self.face_sums.take();
-        let (p, ghosts, list) = (&self.particles, &self.ghosts.columns, &self.lists.list);
-        let sum = ReferenceSum {
-            kernel: self.model.numerics.kernel,
-            dimension: self.model.dimensions.into(),
-            position: WithGhosts::new(&p.reference_position, &ghosts.reference_position),
-            volume: WithGhosts::new(&p.reference_volume, &ghosts.reference_volume),
-            smoothing_length: WithGhosts::new(&p.smoothing_length, &ghosts.smoothing_length),
-            velocity: WithGhosts::new(&p.evaluated_velocity, &ghosts.evaluated_velocity),
-        };
-        let linear = |i: usize| corrected(&sum.rate(i, list.row(i)), &p.correction[i]);
-        let near_wall = |i: usize| {
-            self.facets_on_walls.as_ref().is_some_and(|of| of.is_near_any(&self.model, &self.walls.states, p, i))
-        };
-        if let Some(face_sums) = &mut face_sums {
-            let met = contacts.iter().flat_map(|contacts| contacts.foreign.blocks());
-            let met = met.flat_map(|block| block.rows().map(|(i, _)| i));
-            face_sums.evaluate(met.chain((0..p.len()).filter(|i| near_wall(*i))), linear);
-        }
-        let gradient = |i: usize| {
-            // What the sums of thin parts do not see across them is that of the middle of the step.
-            if is_thin(&p.correction[i]) > 0.0 {
-                return p.velocity_gradient[i];
-            }
-            let rate = match &face_sums {
-                None => linear(i),
-                Some(face_sums) => face_sums.evaluated_rate(i, super::dimension(&self.model)),
-            };
-            multiply(&rate, &inverse(&p.deformation[i]))
-        };
-        if let Some(contacts) = contacts {
-            let blocks = gradients.par_chunks_mut(BLOCK).zip(contacts.foreign.blocks());
-            blocks.for_each(|(gradients, block)| block.rows().for_each(|(i, _)| gradients[i % BLOCK] = gradient(i)));
-        }
-        if self.facets_on_walls.is_some() {
-            let all = gradients.par_iter_mut().with_min_len(BLOCK).enumerate();
-            all.filter(|(i, _)| near_wall(*i)).for_each(|(i, own)| *own = gradient(i));
-        }
-        self.particles.evaluated_gradient = gradients;
-        self.face_sums = face_sums;
     }
 }
 

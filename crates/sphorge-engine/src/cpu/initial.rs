@@ -47,6 +47,7 @@ pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bo
         (Owner::Contact, model.contact != BodyContact::Sph),
         (Owner::Faces, model.has_faces()),
         (Owner::Cells, model.has_faces() || model.meets_walls_at_facets()),
+        (Owner::SharedEdges, model.has_facets()),
         (Owner::BrokenFacets, model.has_facets() && model.has_self_contact() && breaks),
         (Owner::Friction, model.contact != BodyContact::Sph || model.walls.iter().any(Wall::rubs)),
         (Owner::FacetFriction, model.has_facets() && model.contact.has_friction()),

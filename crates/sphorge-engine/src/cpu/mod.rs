@@ -8,12 +8,16 @@ mod constitutive;
 mod contact;
 mod contact_search;
 mod domain;
+mod evaluated;
 mod exchange;
 mod external;
 mod face_sums;
 mod faces;
+mod facet_bounds;
+mod facet_source;
 mod facets;
 mod facets_on_walls;
+mod facing;
 mod flow;
 mod forces;
 mod formulation;
@@ -37,6 +41,7 @@ mod renewal;
 mod search;
 mod section;
 mod self_contact;
+mod shared_edges;
 mod shocks;
 mod smoothing;
 mod stored;
@@ -401,6 +406,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
             self.shift_to_faces();
             self.follow_evaluated();
             self.take_out_severed();
+            self.shift_edges();
         }
         Ok(())
     }
@@ -452,6 +458,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         self.sum_forces(rows);
         self.formulation.add_forces(self, rows);
         self.add_body_contact();
+        self.add_pulls();
         self.add_external_forces();
         Ok(())
     }

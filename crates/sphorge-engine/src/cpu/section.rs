@@ -151,7 +151,13 @@ impl<T: PairScalar> CpuEngine<T> {
             let ghosts = contacts.ghosts(&self.ghosts);
             let standing = Standing::new(&places, ghosts);
             let sides = Sides::new(section, p, &standing, ghosts, spacing);
+            let of_list = Sides::new(section, p, &Standing::new(&places, &self.ghosts), &self.ghosts, spacing);
             let add_contacts = |force: &mut [Vector<f64>]| {
+                if let Some(pulls) = contacts.pulls(p, &self.ghosts, &self.lists.list) {
+                    for i in 0..p.len() {
+                        pulls.each(i, |j, pull| add(&mut force[0], of_list.share(i, j), &pull));
+                    }
+                }
                 for (i, row) in contacts.foreign().blocks().iter().flat_map(|block| block.rows()) {
                     for &j in row {
                         let share = sides.share(i, j as usize);

@@ -5,6 +5,7 @@
 //! face are placed on the surface of the shape, with its normal and curvature. Particles from a file have no shape;
 //! their facets are those of cubes of their volume.
 
+use self::beside::Owner;
 use super::{
     cell::{Cell, CellFace, FACES},
     fill::pattern,
@@ -88,7 +89,15 @@ impl CellFacet {
             corners.rotate_left((k + 2) % 4);
         }
         let curvature = SymmetricTensor::symmetric_part(&curvature);
-        let facet = ReferenceFacet { corners, middle, normal, curvature, depth: dot(middle, normal), free: [0.0; 4] };
+        let facet = ReferenceFacet {
+            corners,
+            middle,
+            normal,
+            curvature,
+            depth: dot(middle, normal),
+            free: [0.0; 4],
+            across: [[0.0; 3]; 3],
+        };
         // Anticlockwise as seen from outside.
         let facet = if facet.area() < 0.0 { ReferenceFacet { corners: reversed(corners), ..facet } } else { facet };
         Self { side, facet }
@@ -140,6 +149,9 @@ pub struct ReferenceFacets {
     /// Of each particle the first.
     starts: Vec<u32>,
     facets: Vec<CellFacet>,
+    /// Of each particle with facets what is beside its cell, and of every particle where that is.
+    beside: Vec<Beside>,
+    beside_of: Vec<u32>,
     /// Number of the first particle of each body.
     first: Vec<u32>,
     /// Edge of the cell of a particle, by body, m.
@@ -149,18 +161,24 @@ pub struct ReferenceFacets {
 impl ReferenceFacets {
     /// Of the particles that fill the bodies of a model.
     pub fn new(model: &Model) -> Self {
-        let mut all = Self {
-            starts: vec![0],
-            facets: Vec::new(),
-            first: Vec::new(),
-            edge: model.bodies.iter().map(|body| body.spacing).collect(),
-        };
+        let mut all = Self::empty(model.bodies.iter().map(|body| body.spacing).collect());
         let space = Space { dimensions: model.dimensions, symmetry: &model.symmetry, periodic: &model.periodic };
         let thickness = facet_thickness(model);
         for body in &model.bodies {
             all.add_body(&Near { space, pattern: pattern(model, body), shape: &body.shape, thickness });
         }
         all
+    }
+
+    /// Without any, of cells with that edge by body, m.
+    fn empty(edge: Vec<f64>) -> Self {
+        let (facets, beside, beside_of, first) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { starts: vec![0], facets, beside, beside_of, first, edge }
+    }
+
+    /// What is beside the cell of the particle with this number, if it has facets.
+    pub fn beside(&self, id: u32) -> Option<&Beside> {
+        self.beside.get(*self.beside_of.get(id as usize)? as usize)
     }
 
     /// Places of those of the particle with this number.
@@ -176,7 +194,7 @@ impl ReferenceFacets {
     }
 
     /// Number of the particles.
-    pub(super) fn particles(&self) -> u32 {
+    pub(crate) fn particles(&self) -> u32 {
         self.starts.len() as u32 - 1
     }
 
@@ -205,11 +223,15 @@ impl ReferenceFacets {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        4 * self.starts.capacity() + size_of::<CellFacet>() * self.facets.capacity()
+        4 * (self.starts.capacity() + self.beside_of.capacity())
+            + size_of::<CellFacet>() * self.facets.capacity()
+            + size_of::<Beside>() * self.beside.capacity()
     }
 
     fn add_body(&mut self, near: &Near<'_>) {
         let Near { space, pattern, shape, .. } = near;
+        let (first_facet, first_id) = (self.facets.len(), self.starts.len() - 1);
+        let mut owners = Vec::new();
         self.first.push(self.starts.len() as u32 - 1);
         let mut sites = Sites::new(pattern.spacing);
         pattern.for_each_cell(shape, |site, _, _| {
@@ -232,9 +254,30 @@ impl ReferenceFacets {
                     }
                 }
                 find_free_edges(&mut self.facets[first..], pattern.spacing);
+                if self.facets.len() > first {
+                    let way = |side: usize| {
+                        let there = cell.across(site, side, space.dimensions)?;
+                        Some(std::array::from_fn(|a| there[a] - site[a]))
+                    };
+                    owners.push(Owner { site, ways: std::array::from_fn(way) });
+                }
             }
             self.starts.push(self.facets.len() as u32);
         });
+        let mut beside = beside::find(&owners, space, pattern.spacing).into_iter();
+        let mut facets = self.facets[first_facet..].iter_mut();
+        for ends in self.starts[first_id..].windows(2) {
+            if ends[0] == ends[1] {
+                self.beside_of.push(u32::MAX);
+                continue;
+            }
+            let Some(beside) = beside.next() else { break };
+            for facet in facets.by_ref().take((ends[1] - ends[0]) as usize) {
+                facet.facet.across = beside::across(facet, &beside);
+            }
+            self.beside_of.push(self.beside.len() as u32);
+            self.beside.push(beside);
+        }
     }
 }
 
@@ -278,6 +321,15 @@ impl Space<'_> {
             }
         }
         [given, point]
+    }
+
+    /// The second of these, and the signs of the axes along which it is mirrored.
+    fn folded_with_signs(&self, given: Vector<f64>) -> (Vector<f64>, Vector<f64>) {
+        let mut sign = [1.0; 3];
+        for plane in self.symmetry.iter().filter(|plane| (given[plane.axis] - plane.position) * plane.side < 0.0) {
+            sign[plane.axis] = -sign[plane.axis];
+        }
+        (self.folded(given)[1], sign)
     }
 }
 
@@ -462,6 +514,10 @@ impl Near<'_> {
         (facet.facet.area() > SMALLEST * cube).then_some(facet)
     }
 }
+
+mod beside;
+
+pub use beside::Beside;
 
 #[cfg(test)]
 mod tests;

@@ -20,7 +20,7 @@ mod volume;
 pub use corners::cell_corners;
 pub use error::FillError;
 pub(crate) use facets::reversed;
-pub use facets::{CellFacet, ReferenceFacets, facet_thickness};
+pub use facets::{Beside, CellFacet, ReferenceFacets, facet_thickness};
 pub use fill::{BYTES_PER_PARTICLE, MAX_PARTICLES, MAX_REGIONS, bytes_per_particle, estimated_count, fill};
 pub use fit::{
     BoundingPlane, FilledMass, LAYER_TOLERANCE, MASS_TOLERANCE, MisplacedLayer, filled_masses, fitting_spacings,

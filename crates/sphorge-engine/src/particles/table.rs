@@ -30,6 +30,8 @@ pub enum Owner {
     Faces,
     /// Cells of particles with facets.
     Cells,
+    /// Facets of bodies that meet bodies.
+    SharedEdges,
     /// Facets of bodies that break and meet themselves.
     BrokenFacets,
     /// Friction between bodies or at walls.
@@ -384,6 +386,15 @@ columns! {
 
     pub(crate) evaluated_gradient: Tensor<f64> = [[0.0; 3]; 3], Cells,
         Internal("1/s", "velocity gradient at which the facets of the last force sum moved"), Tensor[Contact], None;
+    // A row for each axis of the cell.
+    pub(crate) shifts_of_low_edges: Tensor<f64> = [[0.0; 3]; 3], SharedEdges,
+        Internal("m", "how far the edges of facets on the low sides of the cell are from where it carries them"), Tensor[Contact], None;
+    pub(crate) shifts_of_high_edges: Tensor<f64> = [[0.0; 3]; 3], SharedEdges,
+        Internal("m", "the same for the high sides"), Tensor[Contact], None;
+    pub(crate) pulls_of_low_edges: Tensor<f64> = [[0.0; 3]; 3], SharedEdges,
+        Internal("N", "forces on the distances of these edges on the low sides of the cell"), Tensor[Stress], None;
+    pub(crate) pulls_of_high_edges: Tensor<f64> = [[0.0; 3]; 3], SharedEdges,
+        Internal("N", "the same for the high sides"), Tensor[Stress], None;
     pub(crate) facet_integrity: f64 = 1.0, BrokenFacets,
         Internal("", "integrity at which the body of the particle meets itself at its facets"), Same[Contact], None;
     // A row for each axis of the cell: along the first edge of the facet and square to it, m, and the stiffness, N/m.

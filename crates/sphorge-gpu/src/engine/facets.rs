@@ -5,7 +5,7 @@ use super::kernels::facets::FACETS;
 use super::kernels::grid::Grid;
 use super::kernels::limits;
 use super::{GpuEngine, failure};
-use sphorge_engine::geometry::{CellFacet, ReferenceFacets};
+use sphorge_engine::geometry::{Beside, CellFacet, ReferenceFacets};
 use sphorge_engine::persist::{Archive, ArchiveError, Persist};
 use sphorge_engine::{Model, RunFailure};
 use sphorge_physics::tensor::dot;
@@ -18,6 +18,9 @@ const LEAST: f64 = 1.1;
 
 /// Numbers of a facet.
 const FACET: usize = <groups::FacetTable<()> as Handles<()>>::LENGTH;
+
+/// Numbers of a row of what is beside cells.
+const BESIDE: usize = <groups::BesideTable<()> as Handles<()>>::LENGTH;
 
 /// The facets of a run.
 pub(super) struct Facets {
@@ -44,8 +47,15 @@ fn numbers(facets: &[CellFacet]) -> Vec<f32> {
         numbers.extend(facet.middle.into_iter().chain(facet.normal).chain(facet.curvature.to_array()));
         numbers.extend([facet.depth, f64::from(*side), parts_before as f64]);
         numbers.extend(facet.free);
+        numbers.extend(facet.across.as_flattened());
     }
     numbers.into_iter().map(|number: f64| number as f32).collect()
+}
+
+/// Numbers of what is beside a cell.
+fn numbers_of_beside(beside: &Beside) -> impl Iterator<Item = f32> {
+    let ways = (0..beside.facing.len()).flat_map(|side| *beside.ways.on(side));
+    ways.chain(beside.facing.map(f64::from)).map(|number| number as f32)
 }
 
 impl GpuEngine {
@@ -97,7 +107,7 @@ impl GpuEngine {
         let ids = self.with_ghosts(&p.id.iter().map(|id| [f64::from(*id)]).collect::<Vec<_>>())?;
         let stride = self.stride;
         let (mut table, mut of_particles) = (Vec::new(), vec![0u32; FACETS * stride]);
-        let mut have = Vec::new();
+        let (mut have, mut beside) = (Vec::new(), vec![0.0; BESIDE]);
         for (i, [id]) in ids.iter().enumerate() {
             let id = *id as u32;
             let of_particle = facets.reference.of(id);
@@ -105,11 +115,16 @@ impl GpuEngine {
             table.extend(numbers(of_particle));
             of_particles[stride + i] = (table.len() / FACET) as u32;
             of_particles[2 * stride + i] = id;
+            if let Some(of_particle) = facets.reference.beside(id) {
+                of_particles[3 * stride + i] = (beside.len() / BESIDE) as u32;
+                beside.extend(numbers_of_beside(of_particle));
+            }
             if !of_particle.is_empty() {
                 have.push(i as u32);
             }
         }
         self.columns.insert(Group::FacetTable, self.card.numbers(&table).map_err(failure)?);
+        self.columns.insert(Group::BesideTable, self.card.numbers(&beside).map_err(failure)?);
         self.columns.insert(Group::Facets, self.card.indices(&of_particles).map_err(failure)?);
         // Heat flows between particles that have none, too.
         if !self.model.conducts_across_contact() {

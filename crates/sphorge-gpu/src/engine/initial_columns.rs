@@ -259,6 +259,7 @@ impl Maker<'_> {
         }
         if model.has_facets() {
             self.columns.insert(Group::FacetTable, card.zeros(0)?);
+            self.columns.insert(Group::BesideTable, card.zeros(0)?);
             self.columns.insert(Group::Facets, card.zeros(super::kernels::facets::FACETS * stride)?);
         }
         Ok(())

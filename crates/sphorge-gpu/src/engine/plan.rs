@@ -7,8 +7,8 @@ use super::kernels::stress::StressOf;
 use super::kernels::sums::Partition;
 use super::kernels::{
     audit, conduction, contact, face_sums, facet_forces, facets, grid, leapfrog, ledger, limits, moving_least_squares,
-    pair_forces, pairs, predictor_corrector, reduce, reductions, reference, reference_forces, smoothing, stress, sums,
-    verlet, walls, wrap,
+    pair_forces, pairs, predictor_corrector, reduce, reductions, reference, reference_forces, shared_edges, smoothing,
+    stress, sums, verlet, walls, wrap,
 };
 use super::ranks::lifetime::SharedModel;
 use super::search::DISPLACEMENT_REDUCTION;
@@ -321,6 +321,7 @@ impl Planner<'_> {
                 self.add_near_faces(Stage::Push, Threads::NearFaces, sum);
             }
             self.add_of_surface(Stage::Push, in_dimension!(model, facets::follow, model, references, stride));
+            self.add_of_surface(Stage::Push, in_dimension!(model, shared_edges::shift, model, references, stride));
             self.add_sorting(Stage::Push, of_facets, Sorted::WithFacets, Threads::OfSurfaceHere)?;
             if model.contact.has_friction() {
                 let slip = in_dimension!(model, facet_forces::slip, model, of_facets, references, stride);
@@ -346,6 +347,11 @@ impl Planner<'_> {
         if model.has_facets() {
             let forces = in_dimension!(model, facet_forces::forces, model, of_facets, through, references, stride);
             self.add_of_surface(stage, forces);
+            if through.is_some() {
+                self.add_of_surface(stage, in_dimension!(model, shared_edges::share, model, through, stride));
+            } else {
+                self.add_of_surface(stage, in_dimension!(model, shared_edges::pull, model, references, stride));
+            }
         } else if model.has_contact() {
             let forces = in_dimension!(model, contact::forces, model, grid, through, references, stride);
             self.add_of_surface(stage, forces);
@@ -396,6 +402,10 @@ impl Planner<'_> {
     fn forces(&mut self) -> Result<(), KernelFault> {
         let stride = self.rows.stride;
         self.sum_forces(Stage::Forces, None)?;
+        if self.model.has_facets() {
+            let share = in_dimension!(self.model, shared_edges::share, self.model, None, stride);
+            self.add_of_surface(Stage::Forces, share);
+        }
         if self.model.has_contact() {
             self.add_of_surface(Stage::Forces, contact::add(stride)?);
         }

@@ -40,6 +40,8 @@ const STATE: &[Group] = &[
     Group::Contact,
     Group::Meetings,
     Group::FacetMotion,
+    Group::SharedEdges,
+    Group::EdgePulls,
     Group::Slips,
     Group::Kept,
     Group::Rows,

@@ -67,9 +67,21 @@ impl Kernel {
         if let Some(what) = recorder.fault {
             return Err(KernelFault { kernel: name.to_owned(), what });
         }
+        if has_aliases(&recorder.buffers) {
+            return Err(KernelFault { kernel: name.to_owned(), what: "an array that is written under two names" });
+        }
         let statements = keep_needed(statements, &recorder.operations);
         Ok(Self { name: name.to_owned(), buffers: recorder.buffers, operations: recorder.operations, statements })
     }
+}
+
+/// Whether one that is written is also there a second time, which Vulkan refuses, and compilers may take for another array.
+fn has_aliases(buffers: &[Buffer]) -> bool {
+    let is_alias = |(k, of): (usize, &Buffer)| {
+        let mut others = buffers.iter().enumerate().filter(|(other, _)| *other != k);
+        of.access == Access::Write && others.any(|(_, other)| other.name == of.name)
+    };
+    buffers.iter().enumerate().any(is_alias)
 }
 
 fn buffer(name: &str, element: Element, access: Access) -> u32 {

@@ -124,3 +124,17 @@ fn a_law_evaluated_lane_by_lane_is_refused_by_name() {
     let fault = refused.unwrap_err();
     assert!(fault.to_string().contains("`table`") && fault.to_string().contains("lane by lane"), "{fault}");
 }
+
+#[test]
+fn an_array_that_a_kernel_writes_is_bound_once() {
+    let copy = |read: &str, written: &str| {
+        Kernel::record("copy", |scope| {
+            let thread = scope.thread();
+            let (from, to) = (scope.input(read), scope.output(written));
+            to.set(thread, from.at(thread));
+        })
+    };
+    copy("Force", "Velocity").unwrap();
+    let fault = copy("Force", "Force").unwrap_err();
+    assert!(fault.to_string().contains("written under two names"), "{fault}");
+}

@@ -52,16 +52,53 @@ impl<T: Real> Numbers<T> for Vertex<T> {
     }
 }
 
+/// Where the line that cuts crosses the edge from a vertex inside to one outside.
+#[derive(Clone, Copy, Debug)]
+struct Crossing<T> {
+    /// What the linear function is at both.
+    inside: T,
+    outside: T,
+    from: Place<T>,
+    to: Place<T>,
+}
+
+impl<T: Real> Crossing<T> {
+    #[inline(always)]
+    fn place(&self) -> Place<T> {
+        let share = (self.inside / (self.inside - self.outside)).min(T::one()).max(T::zero());
+        [0, 1].map(|i: usize| self.from[i] + share * (self.to[i] - self.from[i]))
+    }
+}
+
+#[inline(always)]
+fn choose_place<T: Real>(a: T, b: T, then: Place<T>, otherwise: Place<T>) -> Place<T> {
+    [T::select_lt(a, b, then[0], otherwise[0]), T::select_lt(a, b, then[1], otherwise[1])]
+}
+
+#[inline(always)]
+fn choose_line<T: Real>(a: T, b: T, then: Line<T>, otherwise: Line<T>) -> Line<T> {
+    Line {
+        tangent: choose_place(a, b, then.tangent, otherwise.tangent),
+        owner: T::select_lt(a, b, then.owner, otherwise.owner),
+    }
+}
+
 #[inline(always)]
 fn choose<T: Real>(a: T, b: T, then: Vertex<T>, otherwise: Vertex<T>) -> Vertex<T> {
-    let pick = |then: T, otherwise: T| T::select_lt(a, b, then, otherwise);
-    let pair = |then: Place<T>, otherwise: Place<T>| [pick(then[0], otherwise[0]), pick(then[1], otherwise[1])];
     Vertex {
-        place: pair(then.place, otherwise.place),
-        edge: Line {
-            tangent: pair(then.edge.tangent, otherwise.edge.tangent),
-            owner: pick(then.edge.owner, otherwise.edge.owner),
-        },
+        place: choose_place(a, b, then.place, otherwise.place),
+        edge: choose_line(a, b, then.edge, otherwise.edge),
+    }
+}
+
+#[inline(always)]
+fn choose_crossing<T: Real>(a: T, b: T, then: Crossing<T>, otherwise: Crossing<T>) -> Crossing<T> {
+    let pick = |then: T, otherwise: T| T::select_lt(a, b, then, otherwise);
+    Crossing {
+        inside: pick(then.inside, otherwise.inside),
+        outside: pick(then.outside, otherwise.outside),
+        from: choose_place(a, b, then.from, otherwise.from),
+        to: choose_place(a, b, then.to, otherwise.to),
     }
 }
 
@@ -116,21 +153,25 @@ fn cut<T: Elementary, const N: usize, const M: usize>(
     let before = |k: usize| (k + N - 1) % N;
     let after = |k: usize| (k + 1) % N;
     // One run of vertices is outside. The polygon leaves on the edge to the first of them and comes back on the edge behind the last.
-    let crossing = |inner: usize, outer: usize| {
-        let share = (outside[inner] / (outside[inner] - outside[outer])).min(one).max(zero);
-        let (p, q) = (polygon[inner].place, polygon[outer].place);
-        [p[0] + share * (q[0] - p[0]), p[1] + share * (q[1] - p[1])]
+    let crossing = |k: usize, with: usize| Crossing {
+        inside: outside[with],
+        outside: outside[k],
+        from: polygon[with].place,
+        to: polygon[k].place,
     };
-    let nowhere = Vertex { place: polygon[0].place, edge: cutter };
-    let (mut leaves, mut returns) = (nowhere, nowhere);
+    let nowhere = Crossing { inside: zero, outside: one, from: polygon[0].place, to: polygon[0].place };
+    let (mut leaving, mut returning, mut edge) = (nowhere, nowhere, cutter);
     // One where the run is this vertex alone.
     let mut alone = [zero; N];
     for k in 0..N {
         let (first, last) = (out[k] - out[before(k)], out[k] - out[after(k)]);
-        leaves = choose(half, first, Vertex { place: crossing(before(k), k), edge: cutter }, leaves);
-        returns = choose(half, last, Vertex { place: crossing(after(k), k), edge: polygon[k].edge }, returns);
+        leaving = choose_crossing(half, first, crossing(k, before(k)), leaving);
+        returning = choose_crossing(half, last, crossing(k, after(k)), returning);
+        edge = choose_line(half, last, polygon[k].edge, edge);
         alone[k] = T::select_lt(half, first, T::select_lt(half, last, one, zero), zero);
     }
+    let leaves = Vertex { place: leaving.place(), edge: cutter };
+    let returns = Vertex { place: returning.place(), edge };
     // The last vertex of a run is where the polygon returns, the others are where it leaves it. A run of one vertex takes a slot more.
     let replaced: [Vertex<T>; N] = core::array::from_fn(|k| {
         let last = T::select_lt(half, out[k] - out[after(k)], one - alone[k], zero);

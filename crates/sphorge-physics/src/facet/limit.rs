@@ -1,6 +1,6 @@
 //! The time step of particles that press at their facets.
 
-use super::{FacetPairLaw, FacetPress};
+use super::{EdgeSprings, FacetPairLaw, FacetPress};
 use crate::time_step::oscillator_limit;
 use crate::{Numbers, Real};
 
@@ -15,14 +15,17 @@ pub const MARGIN: f64 = 1.5;
 /// Stiffness and damping over the mass of a particle, in all its pairs of facets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FacetStiffness<T> {
+    /// Against motion across facets.
     stiffness: T,
+    /// Against motion along them.
+    lateral: T,
     damping: T,
 }
 
 impl<T: Real> FacetStiffness<T> {
     /// Before the first pair.
     pub fn none() -> Self {
-        Self { stiffness: T::zero(), damping: T::zero() }
+        Self { stiffness: T::zero(), lateral: T::zero(), damping: T::zero() }
     }
 
     /// Adds a pair of a particle of that mass, kg.
@@ -33,11 +36,17 @@ impl<T: Real> FacetStiffness<T> {
         self.damping += mobility * law.damping;
     }
 
+    /// Adds the springs of the edges of a facet of a particle of that mass, kg.
+    #[inline]
+    pub fn add_springs(&mut self, springs: &EdgeSprings<T>, mass: T) {
+        self.lateral += springs.stiffness / mass;
+    }
+
     /// Largest step before Courant's number, s. Twice the sum accounts for neighbours that oscillate against the particle.
     #[inline]
     pub fn limit(&self) -> T {
         let two = T::of(2.0);
-        let limit = oscillator_limit(two * self.stiffness, two * self.damping);
+        let limit = oscillator_limit(two * self.stiffness.max(self.lateral), two * self.damping);
         // Cards do not have infinity, the limit of what presses nothing.
         T::select_lt(T::zero(), self.stiffness, T::of(MARGIN) * limit, limit)
     }
@@ -47,6 +56,7 @@ impl<T: Real> Numbers<T> for FacetStiffness<T> {
     #[inline(always)]
     fn each(&mut self, visit: &mut dyn FnMut(&mut T)) {
         visit(&mut self.stiffness);
+        visit(&mut self.lateral);
         visit(&mut self.damping);
     }
 }

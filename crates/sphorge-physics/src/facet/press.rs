@@ -1,6 +1,7 @@
 //! Energy, force and moments of a pair of facets.
 
 use super::clip::{Line, Place, Vertex, along, clip, difference, polygon, turn};
+use super::edges::EdgeForces;
 use super::lap::{Lap, Lapped};
 use super::spread::{NODES, Spread};
 use super::{Facet, MOBILITY, cross};
@@ -141,12 +142,18 @@ pub enum Partner {
 pub struct FacetPress<T> {
     /// `U`, J (J/m in the plane); zero where the pair does not press.
     pub energy: T,
+    /// What that grows by with the [misfit](Facet::misfit) of both facets, J.
+    pub by_misfit: [T; 2],
     /// Force on the owner of `a`, N (N/m); that on the owner of `b` is exactly the opposite.
     pub force: Vector<T>,
-    /// Moment on the owner of `a`, N m (N): power `M:L` beyond `f.v`.
+    /// Moment on the owner of `a`, N m (N): power `M:L` beyond `f.v`. Of edges as if they were where the owner carries them ([`EdgeForces::followed`]).
     pub moment_a: Tensor<T>,
     /// Moment on the owner of `b`.
     pub moment_b: Tensor<T>,
+    /// What of force and moment is on the edges of `a`.
+    pub edges_a: EdgeForces<T>,
+    /// The same of `b`.
+    pub edges_b: EdgeForces<T>,
     /// Integral of the pressure over the common polygon, N (N/m), never negative: the normal force that friction is limited by.
     pub normal_force: T,
     /// Area over which the pair presses, m^2 (m), zero where it does not; it grows over a ten-millionth of the distance of the owners at touch.
@@ -171,9 +178,12 @@ impl<T: Real> FacetPress<T> {
         let o = T::zero();
         Self {
             energy: o,
+            by_misfit: [o; 2],
             force: [o; 3],
             moment_a: [[o; 3]; 3],
             moment_b: [[o; 3]; 3],
+            edges_a: EdgeForces::none(),
+            edges_b: EdgeForces::none(),
             normal_force: o,
             area: o,
             damped_area: o,
@@ -193,6 +203,8 @@ impl<T: Real> FacetPress<T> {
             force: vector(self.force),
             moment_a: self.moment_a.map(vector),
             moment_b: self.moment_b.map(vector),
+            edges_a: self.edges_a.map(vector, |moment| moment.map(vector)),
+            edges_b: self.edges_b.map(vector, |moment| moment.map(vector)),
             normal_force: share * self.normal_force,
             area: share * self.area,
             damped_area: share * self.damped_area,
@@ -211,6 +223,8 @@ impl<T: Real> FacetPress<T> {
             force: vector(self.force),
             moment_a: tensor(self.moment_a),
             moment_b: tensor(self.moment_b),
+            edges_a: self.edges_a.map(vector, tensor),
+            edges_b: self.edges_b.map(vector, tensor),
             normal: vector(self.normal),
             centre_a: vector(self.centre_a),
             centre_b: vector(self.centre_b),
@@ -261,9 +275,12 @@ impl<T: Real> Numbers<T> for FacetPress<T> {
     fn each(&mut self, visit: &mut dyn FnMut(&mut T)) {
         let Self {
             energy,
+            by_misfit,
             force,
             moment_a,
             moment_b,
+            edges_a,
+            edges_b,
             normal_force,
             area,
             damped_area,
@@ -273,9 +290,12 @@ impl<T: Real> Numbers<T> for FacetPress<T> {
             stiffness,
         } = self;
         visit(energy);
+        by_misfit.each(visit);
         force.each(visit);
         moment_a.each(visit);
         moment_b.each(visit);
+        edges_a.each(visit);
+        edges_b.each(visit);
         visit(normal_force);
         visit(area);
         visit(damped_area);
@@ -432,6 +452,23 @@ impl<T: Real> Surface<T> {
             }
         }
         (force, moment)
+    }
+}
+
+impl<T: Real> Surface<T> {
+    /// Force of the edges, and its moment about the middle.
+    #[inline(always)]
+    fn of_edges(&self, edges: &EdgeMoments<T>, t: &[Vector<T>; 2]) -> EdgeForces<T> {
+        let mut moment = [[T::zero(); 3]; 3];
+        for i in 0..2 {
+            for c in 0..2 {
+                let edge = edges.moment[i][c] - edges.force[i] * self.middle[c];
+                for a in 0..3 {
+                    (0..3).for_each(|b| moment[a][b] += edge * t[i][a] * self.axes[c][b]);
+                }
+            }
+        }
+        EdgeForces { force: [0, 1, 2].map(|a: usize| edges.force[0] * t[0][a] + edges.force[1] * t[1][a]), moment }
     }
 }
 
@@ -825,6 +862,9 @@ impl<T: Elementary> Surfaces<T> {
             energy,
             || {
                 let (chi, by_cosine) = facing(cosine);
+                let shares = [a, b].map(|of| (of.rest_depth + of.rest_depth) / (a.rest_depth + b.rest_depth));
+                let firmer = T::one() + (shares[0] * a.misfit + shares[1] * b.misfit);
+                let (chi, by_cosine) = (firmer * chi, firmer * by_cosine);
                 let distance = -dot(between, m);
                 let [order, by_order, steepest_order] = in_order(distance / depth, law.gives_way);
                 // The derivative by the distance of the owners, which turns `m` as other forces do.
@@ -835,8 +875,8 @@ impl<T: Elementary> Surfaces<T> {
                 let gives = |then: T, otherwise: T| T::select_lt(zero, law.gives_way, then, otherwise);
                 let force = [0, 1, 2].map(|i: usize| gives(chi * force[i] - parted * m[i], chi * force[i]));
                 let by_depth = chi * area * by_depth - parted * distance / depth;
-                let stiffness =
-                    chi * stiffness + T::select_lt(zero, by_order, steepest_order * energy / (depth * depth), zero);
+                let of_order = firmer * steepest_order * energy / (depth * depth);
+                let stiffness = chi * stiffness + T::select_lt(zero, by_order, of_order, zero);
                 let [mut moment_a, mut moment_b] =
                     [about_a, about_b].map(|moment| moment.map(|row| row.map(|c| chi * c)));
                 // The rectangle turns with the first edge of a.
@@ -851,8 +891,17 @@ impl<T: Elementary> Surfaces<T> {
                 let facing = by_cosine * area * energy;
                 let by_normal_a = [0, 1, 2].map(|i: usize| -turned[i] - facing * b.normal[i]);
                 let by_normal_b = [0, 1, 2].map(|i: usize| turned[i] - facing * a.normal[i]);
-                add_of_normal(&mut moment_a, a, by_normal_a, by_depth);
-                add_of_normal(&mut moment_b, b, by_normal_b, by_depth);
+                let scaled = |of: EdgeForces<T>| {
+                    let vector = |v: Vector<T>| v.map(|c| chi * c);
+                    of.map(vector, |moment| moment.map(vector))
+                };
+                let mut edges_a = scaled(self.a.of_edges(&edges[0], &t));
+                for i in 0..3 {
+                    (0..3).for_each(|j| edges_a.moment[i][j] -= turn * t[1][i] * edge[j]);
+                }
+                let edges_b = scaled(self.b.of_edges(&edges[1], &t));
+                add_of_normal(&mut moment_a, a.normal, by_normal_a, by_depth * a.depth);
+                add_of_normal(&mut moment_b, b.normal, by_normal_b, by_depth * b.depth);
                 let place = [0, 1].map(|i: usize| whole.first[i] / whole.sum);
                 let high =
                     (self.a.plane(place) + self.a.behind(place).0) + (self.b.plane(place) - self.b.behind(place).0);
@@ -860,9 +909,12 @@ impl<T: Elementary> Surfaces<T> {
                 let centre_a = [0, 1, 2].map(|i: usize| a.middle[i] + point[i]);
                 FacetPress {
                     energy: chi * area * energy,
+                    by_misfit: shares.map(|share| share * chi * area * energy / firmer),
                     force,
                     moment_a,
                     moment_b,
+                    edges_a,
+                    edges_b,
                     normal_force: chi * whole.sum,
                     area: chi * area * closed,
                     damped_area: chi * area * damped,
@@ -889,12 +941,10 @@ fn torque<T: Real>(moment: &Tensor<T>) -> Vector<T> {
     [moment[2][1] - moment[1][2], moment[0][2] - moment[2][0], moment[1][0] - moment[0][1]]
 }
 
-/// Adds the moment of a derivative by the unit normal, `dn = -(I - n n) L^T n`, and of one by the depth, `dD = D n.L n`.
+/// Adds the moment of a derivative by the unit normal, `dn = -(I - n n) L^T n`, and of one by the logarithm of the depth, `dD = D n.L n`.
 #[inline(always)]
-fn add_of_normal<T: Real>(moment: &mut Tensor<T>, facet: &Facet<T>, by_normal: Vector<T>, by_depth: T) {
-    let n = facet.normal;
+pub(super) fn add_of_normal<T: Real>(moment: &mut Tensor<T>, n: Vector<T>, by_normal: Vector<T>, thinner: T) {
     let along = dot(by_normal, n);
-    let thinner = by_depth * facet.depth;
     for i in 0..3 {
         for j in 0..3 {
             moment[i][j] += n[i] * ((by_normal[j] - along * n[j]) - thinner * n[j]);

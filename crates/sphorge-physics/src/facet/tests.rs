@@ -1,7 +1,7 @@
 use super::*;
 use crate::tensor::identity;
 
-const LAW: FacetPairLaw<f64> = FacetPairLaw {
+pub(super) const LAW: FacetPairLaw<f64> = FacetPairLaw {
     stiffness: 1.0,
     damping: 0.3,
     friction: 0.3,
@@ -11,7 +11,7 @@ const LAW: FacetPairLaw<f64> = FacetPairLaw {
 };
 
 /// A number between -1 and 1, another one each time.
-fn random(state: &mut u64) -> f64 {
+pub(super) fn random(state: &mut u64) -> f64 {
     *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     (*state >> 33) as f64 / (1u64 << 30) as f64 - 1.0
 }
@@ -568,8 +568,15 @@ fn ball(radius: f64, count: usize, side: f64, depth: f64, turn: &Tensor<f64>) ->
                 xz: -k * n[0] * n[2],
             };
             let arm = [0, 1, 2].map(|c| middle[c] - owner[c]);
-            let reference =
-                ReferenceFacet { corners: corners.map(flat), middle: arm, normal, curvature, depth, free: [0.0; 4] };
+            let reference = ReferenceFacet {
+                corners: corners.map(flat),
+                middle: arm,
+                normal,
+                curvature,
+                depth,
+                free: [0.0; 4],
+                across: [[0.0; 3]; 3],
+            };
             facets.push(Facet::now(owner, &identity(), &reference));
         }
     }
@@ -1075,6 +1082,10 @@ fn single_precision_gives_the_same() {
                 depth: f.depth as f32,
                 area: f.area as f32,
                 free: f.free.map(|c| c as f32),
+                shift: v(f.shift),
+                shear: f.shear.map(v),
+                misfit: f.misfit as f32,
+                rest_depth: f.rest_depth as f32,
             }
         };
         let narrow = press(&single(&facets[0]), &single(&facets[1]), Partner::Facet, &LAW.cast::<f32>());

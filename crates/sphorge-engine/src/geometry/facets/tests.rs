@@ -31,7 +31,7 @@ fn facets(
     let lattice = Lattice { arrangement, placement: LatticePlacement::CellCentres };
     let pattern = Pattern { dimensions, spacing: 1.0, density: 1.0, lattice };
     let near = Near { space: Space { dimensions, symmetry, periodic: &[None; 3] }, pattern, shape, thickness: 1.0 };
-    let mut all = ReferenceFacets { starts: vec![0], facets: Vec::new(), first: Vec::new(), edge: vec![1.0] };
+    let mut all = ReferenceFacets::empty(vec![1.0]);
     all.add_body(&near);
     let mut placed = Vec::new();
     let mut id = 0;
@@ -254,4 +254,119 @@ fn rows_of_a_hexagonal_lattice_leave_no_gaps_in_a_face() {
     let all = facets(&cuboid([0.0; 3], [20.0, 12.0, 0.0]), Dimensions::PlaneStrain, Arrangement::Hexagonal, &[]);
     let share = total(&all) / 64.0;
     assert!((share - 1.0).abs() < 0.02, "{share}");
+}
+
+/// What is beside the cells of a shape filled at a spacing of one, with the places of their particles.
+fn beside(
+    shape: &Shape,
+    dimensions: Dimensions,
+    arrangement: Arrangement,
+    symmetry: &[SymmetryPlane],
+    periodic: &[Option<(f64, f64)>; 3],
+) -> Vec<(Vector<f64>, Beside, Vec<CellFacet>)> {
+    let lattice = Lattice { arrangement, placement: LatticePlacement::CellCentres };
+    let pattern = Pattern { dimensions, spacing: 1.0, density: 1.0, lattice };
+    let mut all = ReferenceFacets::empty(vec![1.0]);
+    all.add_body(&Near { space: Space { dimensions, symmetry, periodic }, pattern, shape, thickness: 1.0 });
+    let (mut found, mut id) = (Vec::new(), 0);
+    pattern.for_each_site(shape, |site, _| {
+        assert_eq!(all.beside(id).is_some(), !all.of(id).is_empty());
+        found.extend(all.beside(id).map(|beside| (site, *beside, all.of(id).to_vec())));
+        id += 1;
+    });
+    assert_eq!(all.beside(id), None);
+    found
+}
+
+#[test]
+fn cells_at_the_surface_know_those_beside_them() {
+    let plate = cuboid([0.0; 3], [4.0, 3.0, 0.0]);
+    let all = beside(&plate, Dimensions::PlaneStrain, Arrangement::Square, &[], &[None; 3]);
+    assert_eq!(all.len(), 10);
+    for (site, beside, facets) in &all {
+        for side in 0..4 {
+            let step = if side % 2 == 0 { -1.0 } else { 1.0 };
+            let mut there = *site;
+            there[side / 2] += step;
+            let has_facets = all.iter().any(|(other, ..)| (0..3).all(|a| (other[a] - there[a]).abs() < 1e-9));
+            assert_eq!(beside.way(side).is_some(), has_facets, "{site:?} {side}");
+            if has_facets {
+                assert_eq!(usize::from(beside.facing[side]), side ^ 1);
+            }
+        }
+        for CellFacet { side, facet } in facets {
+            let (own, along) = (usize::from(*side) / 2, 1 - usize::from(*side) / 2);
+            assert_eq!(facet.across[own], [0.0; 3]);
+            let expected =
+                if beside.way(2 * along).is_some() || beside.way(2 * along + 1).is_some() { 1.0 } else { 0.0 };
+            assert!((facet.across[along][along] - expected).abs() < 1e-9, "{site:?} {side} {:?}", facet.across);
+        }
+    }
+    // What is at a symmetry plane has its own image beside it, whose side looks back; at a periodic end what is at the other.
+    let half = beside(&plate, Dimensions::PlaneStrain, Arrangement::Square, &PLANES[..1], &[None; 3]);
+    let at_plane: Vec<_> = half.iter().filter(|(site, ..)| site[0] < 1.0).collect();
+    assert!(at_plane.iter().all(|(_, beside, _)| beside.way(0) == Some([-1.0, 0.0, 0.0]) && beside.facing[0] == 0));
+    assert_eq!(at_plane.len(), 2);
+    let endless = [Some((0.0, 4.0)), None, None];
+    let strip = beside(&plate, Dimensions::PlaneStrain, Arrangement::Square, &[], &endless);
+    let at_end: Vec<_> = strip.iter().filter(|(site, ..)| site[0] < 1.0).collect();
+    assert!(at_end.iter().all(|(_, beside, _)| beside.way(0).is_some() && beside.facing[0] == 1), "{at_end:?}");
+}
+
+#[test]
+fn cells_of_rings_lie_beside_each_other_along_them() {
+    for arrangement in [Arrangement::Rings, Arrangement::Square] {
+        let all = beside(&ball(6.0), Dimensions::PlaneStrain, arrangement, &[], &[None; 3]);
+        let outer: Vec<_> = all.iter().filter(|(site, ..)| site[0].hypot(site[1]) > 5.0).collect();
+        for (site, beside, facets) in outer {
+            if arrangement == Arrangement::Rings {
+                assert!(beside.way(2).is_some() && beside.way(3).is_some(), "{site:?}");
+                assert_eq!((beside.facing[2], beside.facing[3]), (3, 2));
+                // Along the surface, one over the way to the next.
+                let across = facets[0].facet.across[1];
+                let radius = site[0].hypot(site[1]);
+                assert!(
+                    dot(across, *site).abs() < 1e-9 && (dot(across, across).sqrt() - 1.0).abs() < 0.2,
+                    "{radius} {across:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn cells_that_lie_beside_others_have_those_beside_them() {
+    // In some of these rings a cell expects one of the next ring where that does not expect it.
+    let mut count = 0;
+    for radius in [7.0, 9.5, 24.0, 24.4, 31.0] {
+        for planes in [&PLANES[..0], &PLANES[..1], &PLANES[..]] {
+            let low = |axis: usize| if planes.iter().any(|plane| plane.axis == axis) { 0.0 } else { -40.0 };
+            let part = cuboid([low(0), low(1), 0.0], [40.0, 40.0, 1.0]);
+            // At the ends of a slice all cells have facets.
+            let slice = shape(Solid::Cylinder { from: [0.0; 3], to: [0.0, 0.0, 1.0], radius, inner_radius: 0.0 });
+            let shape = composed(Operation::Intersection, vec![slice, part]);
+            let all = beside(&shape, Dimensions::Three, Arrangement::Rings, planes, &[None; 3]);
+            for (site, of, _) in &all {
+                for (side, way) in (0..4).filter_map(|side| Some((side, of.way(side)?))) {
+                    let near =
+                        |a: Vector<f64>, b: Vector<f64>| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>() < 0.02;
+                    let image = |place: Vector<f64>| -> Vector<f64> {
+                        std::array::from_fn(|k| {
+                            if planes.iter().any(|plane| plane.axis == k) { place[k].abs() } else { place[k] }
+                        })
+                    };
+                    let there = std::array::from_fn(|k| site[k] + way[k]);
+                    let facing = usize::from(of.facing[side]);
+                    let back = all.iter().find(|(other, ..)| near(*other, there) || near(*other, image(there)));
+                    let (other, other_of, _) = back.unwrap();
+                    let home = other_of.way(facing).unwrap();
+                    let home = std::array::from_fn(|k| other[k] + home[k]);
+                    assert!(near(home, *site) || near(image(home), *site), "{site:?} {side}");
+                    assert_eq!(usize::from(other_of.facing[facing]), side);
+                    count += 1;
+                }
+            }
+        }
+    }
+    assert!(count > 2000, "{count}");
 }

@@ -336,8 +336,14 @@ groups! {
         face: Number,
         part: Number,
         free: Numbers[4],
+        across: TensorColumns,
     };
     Facets: own;
+    /// What is beside the cells of particles with facets, and a row of zeros for the others: ways to the particles there at the start, m, zero where there is none,
+    /// and the sides of their cells that look back. Shifts of the edges of these, m, their rates, m/s, and the forces that they pull by, N.
+    BesideTable: own { ways: Vectors[6], facing: Numbers[6] };
+    SharedEdges: particles if has_facets per face_of_cell { shift: VectorColumns, rate: VectorColumns };
+    EdgePulls: particles if has_facets per face_of_cell { pull: VectorColumns };
     FacetMotion: particles if has_facets { velocity_gradient: TensorColumns, reach: Number };
     /// With friction, of each face of a cell the tangential spring, and sums over its pairs.
     Slips: particles if rubs_at_facets per face_of_cell { slip: Numbers[2], stiffness: Number, rubbed: Number };

@@ -2,11 +2,12 @@
 
 use super::contact::each_body;
 use super::facet_pairs::{Met, Points};
-use super::facets::{Table, carried};
+use super::facets::Table;
 use super::grid::Grid;
 use super::images::{Image, Planes};
 use super::reference::References;
 use super::section::{Crossing, Through};
+use super::shared_edges::shifts;
 use crate::engine::columns::groups::{self, FACES};
 use crate::engine::columns::{
     Binder, Group, Member, NOTHING, Read, ReadColumns, ReadShared, Recording, Shared, TensorColumns, ValuedMember,
@@ -15,10 +16,10 @@ use crate::engine::columns::{
 use crate::record::{Index, KernelFault, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_physics::facet::{
-    FacetPress, FacetSlip, FacetStiffness, FrictionShare, SlipDrive, friction_force, moment_of_torn, slip_after,
-    stress_of_moment,
+    EdgeForces, EdgeSprings, FacetPress, FacetSlip, FacetStiffness, FrictionShare, SlipDrive, friction_force,
+    moment_of_torn, slip_after, stress_of_moment,
 };
-use sphorge_physics::tensor::dot;
+use sphorge_physics::tensor::{dot, plus};
 use sphorge_physics::{Elementary, Numbers, Real, Tensor, Vector};
 
 /// Tangential springs of facets.
@@ -43,8 +44,7 @@ impl Springs {
         facet: Index,
         image: Option<&Image>,
     ) -> Vector<Recorded> {
-        let f = points.deformation.whole(i);
-        let lead = carried(points.table, points.table.lead(facet), &f, None).0;
+        let lead = points.carried(i, points.table.lead(facet), None).0;
         let vector = slip.vector(&lead);
         image.map_or(vector, |image| image.vector(vector))
     }
@@ -77,7 +77,7 @@ pub(in crate::engine) fn slip<const D: usize>(
         for face in 0..FACES {
             drives.of(face).parts.set(i, [zero; 5]);
         }
-        points.each::<_, D>(bind, model, grid, i, NOTHING, |nothing, met| {
+        let drive = |nothing: [Recorded; 0], met: &Met<'_>| {
             let drives = drives.of_value(table.face(met.facets[0]));
             let mut drive = SlipDrive::none();
             drive.add(&FrictionShare::of(&met.press, &met.law, met.velocity, false));
@@ -87,8 +87,8 @@ pub(in crate::engine) fn slip<const D: usize>(
                 field += 1;
             });
             nothing
-        });
-        let f = points.deformation.whole(i);
+        };
+        points.each::<_, D>(bind, model, grid, i, NOTHING, drive, |nothing, _, _| nothing);
         bind.scope.fold(table.first(i), table.end(i), NOTHING, |_, nothing, facet| {
             let update = || {
                 let face = table.face(facet);
@@ -100,7 +100,7 @@ pub(in crate::engine) fn slip<const D: usize>(
                     *part = drives.parts.number(field).get(i);
                     field += 1;
                 });
-                let (after, heat) = slip_after(&before, &carried(table, facet, &f, None).0, &drive, dt);
+                let (after, heat) = slip_after(&before, &points.carried(i, facet, None).0, &drive, dt);
                 let power = Recorded::if_lt(zero, dt, || heat / dt, || zero);
                 let rubbed = Recorded::if_lt(zero, after.stiffness, || power / after.stiffness, || power);
                 slips.slip.set(i, after.slip);
@@ -121,6 +121,17 @@ struct ContactSums {
     /// Moment of the forces, N m.
     moment: Tensor<Recorded>,
     stiffness: FacetStiffness<Recorded>,
+    /// What the pairs of one of its facets with one particle do to its edges, and what the energy grows by with its misfit, J.
+    edges: EdgeForces<Recorded>,
+    by_misfit: Recorded,
+}
+
+impl ContactSums {
+    fn none() -> Self {
+        let zero = Recorded::zero();
+        let moment = [[zero; 3]; 3];
+        Self { sums: [zero; 5], moment, stiffness: FacetStiffness::none(), edges: EdgeForces::none(), by_misfit: zero }
+    }
 }
 
 impl Numbers<Recorded> for ContactSums {
@@ -128,6 +139,8 @@ impl Numbers<Recorded> for ContactSums {
         self.sums.each(visit);
         self.moment.each(visit);
         self.stiffness.each(visit);
+        self.edges.each(visit);
+        visit(&mut self.by_misfit);
     }
 }
 
@@ -232,6 +245,12 @@ impl<'a> FacetForces<'a> {
                 power = moment.mul_add(l[k][c], power);
             }
         }
+        let (of_first, of_second) = (press.edges_a, press.edges_b);
+        state.edges.add(&EdgeForces {
+            force: [0, 1, 2].map(|a| met.own(of_first.force[a], of_second.force[a])),
+            moment: [0, 1, 2].map(|a| [0, 1, 2].map(|b| met.own(of_first.moment[a][b], of_second.moment[a][b]))),
+        });
+        state.by_misfit += met.own(met.press.by_misfit[0], met.press.by_misfit[1]);
         let friction = met.friction_share * rubbed;
         // The other half comes from the row of the other particle.
         let damped = self.half * damped;
@@ -244,6 +263,41 @@ impl<'a> FacetForces<'a> {
         meeting.powers.add(i, powers);
         meeting.energy.add(i, self.half * met.press.energy + held);
         state
+    }
+
+    /// Follows what a facet and those of another particle did to its edges.
+    fn follow_edges(
+        &self,
+        mut state: ContactSums,
+        (facet, j): (Index, Index),
+        l: &Tensor<Recorded>,
+        (mass, meetings, pulls): (Recorded, groups::Meetings<Write>, groups::EdgePulls<Write>),
+    ) -> ContactSums {
+        let (i, zero) = (self.i, self.zero);
+        let ContactSums { edges, by_misfit, .. } = state;
+        (state.edges, state.by_misfit) = (EdgeForces::none(), zero);
+        let follow = || {
+            let mut state = state;
+            let (f, facet_now) = (self.points.deformation.whole(i), self.points.carried(i, facet, None).0);
+            let facet = self.points.table.facet(facet);
+            let (pull, differs) = edges.followed(&facet_now);
+            let sides = pull.on_sides(&facet, &f);
+            let springs = EdgeSprings::of(&facet, &f, &shifts(self.points.edges, i), by_misfit);
+            let of_edges = plus(&springs.moment, Recorded::one(), &differs);
+            let mut power = (0..3).fold(zero, |power, k| power + dot(of_edges[k], l[k]));
+            for side in 0..FACES {
+                let (pull, spring) = (*sides.on(side), *springs.sides.on(side));
+                let pull = [0, 1, 2].map(|k| pull[k] + spring[k]);
+                pulls.of(side).pull.add(i, pull);
+                power += dot(pull, self.points.edges.of(side).rate.get(i));
+            }
+            state.moment = plus(&state.moment, Recorded::one(), &of_edges);
+            state.stiffness.add_springs(&springs, mass);
+            meetings.of_value(self.points.body.at(j)).powers.number(0).add(i, -power);
+            state
+        };
+        // Without a pair that presses there is nothing.
+        Recorded::if_lt(zero, by_misfit, follow, || state)
     }
 
     /// Power that springs without partners release, W, booked to the nearest body; nothing without friction.
@@ -283,34 +337,39 @@ pub(in crate::engine) fn forces<const D: usize>(
         if let Some(through) = through {
             let place = groups::Place::read(bind).position;
             let crossing = Crossing::of(bind, model, through, i, place);
-            let sum = points.each::<_, D>(bind, model, grid, i, [zero; 3], |sum: Vector<Recorded>, met| {
+            let add = |sum: Vector<Recorded>, met: &Met<'_>| {
                 let force = || forces.pushed(met).press.force.map(|c| met.sign * c);
                 crossing.add(sum, met.image, met.j, force, |force| *force)
-            });
+            };
+            let sum = points.each::<_, D>(bind, model, grid, i, [zero; 3], add, |sum, _, _| sum);
             crossing.set(sum, true);
             return;
         }
         let Stored { step, constants, reference, meetings, contact, external, face_stress } = Stored::of(bind);
-        let mass = constants.mass.get(i);
-        let (v, l) = (points.evaluated.get(i), points.motion.velocity_gradient.get(i));
+        let mass = || constants.mass.get(i);
+        let (v, l) = (|| points.evaluated.get(i), || points.motion.velocity_gradient.get(i));
         each_body(model.bodies.len(), |body| {
             let meeting = meetings.of_value(body);
             meeting.force.set(i, [zero; 3]);
             meeting.powers.set(i, [zero; 3]);
             meeting.energy.set(i, zero);
         });
-        let start = ContactSums { sums: [zero; 5], moment: [[zero; 3]; 3], stiffness: FacetStiffness::none() };
-        let add = |state: ContactSums, met: &Met<'_>| forces.add(state, met, (v, &l), (mass, meetings));
-        let all = points.each::<_, D>(bind, model, grid, i, start, add);
+        let pulls = groups::EdgePulls::write(bind);
+        for side in 0..FACES {
+            pulls.of(side).pull.set(i, [zero; 3]);
+        }
+        let add = |state: ContactSums, met: &Met<'_>| forces.add(state, met, (v(), &l()), (mass(), meetings));
+        let follow = |state, facet, j| forces.follow_edges(state, (facet, j), &l(), (mass(), meetings, pulls));
+        let all = points.each::<_, D>(bind, model, grid, i, ContactSums::none(), add, follow);
         let [x, y, z, mut heat, mut friction] = all.sums;
         if let Some(released) = forces.released::<D>(bind, grid, meetings) {
             heat += released;
             friction += released;
         }
         for k in 0..3 {
-            heat += dot(all.moment[k], l[k]);
+            heat += dot(all.moment[k], l()[k]);
         }
-        external.friction_heat.set(i, external.friction_heat.get(i) + friction / mass);
+        external.friction_heat.set(i, external.friction_heat.get(i) + friction / mass());
         let f = points.deformation.since_reference(i);
         for (k, moment) in stress_of_moment(&all.moment, &f).into_iter().flatten().enumerate() {
             let component = face_stress.component(k);

@@ -6,6 +6,7 @@ use super::grid::Grid;
 use super::images::{Image, Planes};
 use super::neighbors::{ON_PLANE, strays};
 use super::reference::{Deformations, References};
+use super::shared_edges::shifts;
 use crate::engine::columns::{
     Binder, CompensatedVector, Group, Read, ReadColumns, ReadRecords, Records, VectorColumns, groups,
 };
@@ -13,7 +14,7 @@ use crate::record::{Index, Indices, Recorded, Scope};
 use sphorge_engine::FacetLaws;
 use sphorge_engine::model::Model;
 use sphorge_physics::facet::{Facet, FacetPairLaw, FacetPress, Partner, press as press_of_pair};
-use sphorge_physics::tensor::{apply, dot, inverse};
+use sphorge_physics::tensor::{apply, dot};
 use sphorge_physics::{Elementary, Numbers, Real, Vector};
 
 /// What the pairs of facets of a particle are made of.
@@ -23,6 +24,7 @@ pub(super) struct Points {
     pub(super) place: CompensatedVector<Read>,
     pub(super) deformation: Deformations,
     pub(super) motion: groups::FacetMotion<Read>,
+    pub(super) edges: groups::SharedEdges<Read>,
     pub(super) evaluated: VectorColumns<Read>,
     pub(super) body: Indices,
     pub(super) laws: groups::FacetLaws<Records>,
@@ -90,6 +92,7 @@ impl Points {
             place: groups::Place::read(bind).position,
             deformation: Deformations::of(bind, references),
             motion: groups::FacetMotion::read(bind),
+            edges: groups::SharedEdges::read(bind),
             evaluated: groups::Evaluated::read(bind).velocity,
             body: bind.indices(Group::Body),
             laws: groups::FacetLaws::records(bind),
@@ -180,7 +183,8 @@ impl Points {
         })
     }
 
-    /// Folds a state over every pair of the particle's facets with others that presses.
+    /// Folds a state over every pair of the particle's facets with others that presses. `after` is given the state when a facet has met all facets of a particle,
+    /// with the places of both.
     pub(super) fn each<S: Numbers<Recorded>, const D: usize>(
         self,
         bind: &mut Binder<'_>,
@@ -189,33 +193,29 @@ impl Points {
         i: Index,
         start: S,
         visit: impl FnOnce(S, &Met<'_>) -> S,
+        after: impl FnOnce(S, Index, Index) -> S,
     ) -> S {
         let table = self.table;
-        let (f_i, v_i, l_i) = (self.deformation.whole(i), self.evaluated.get(i), self.motion.velocity_gradient.get(i));
         let ([high_i, low_i], first_i) = (table.id(i), table.first(i));
         let (zero, one) = (Recorded::zero(), Recorded::one());
-        // Facets of one particle have it in common.
-        let _ = inverse(&f_i);
         let reach_i = self.motion.reach.get(i);
         let reach = |j: Index| reach_i + self.motion.reach.get(j);
+        let has_images = Planes::of(model).images().count() > 1;
         self.over_near::<S, D>(bind, model, grid, i, reach, start, |scope, state, near| {
             let Near { image, x, j } = *near;
-            let has_images = Planes::of(model).images().count() > 1;
-            let f_j = self.deformation.whole(j);
-            let _ = inverse(&f_j);
-            let (v_j, l_j) = (image.vector(self.evaluated.get(j)), image.tensor(&self.motion.velocity_gradient.get(j)));
             let (law, friction_share) = self.law(i, j);
-            // The same order from both sides.
             let [high_j, low_j] = table.id(j);
+            // The same order from both sides.
             let below = |a: Recorded, b: Recorded, otherwise: Recorded| {
                 let not_above = Recorded::select_lt(b, a, -one, otherwise);
                 Recorded::select_lt(a, b, one, not_above)
             };
             let first_j = table.first(j);
             scope.fold(first_i, table.end(i), state, |scope, state, facet_i| {
-                let (own, stretch) = carried(table, facet_i, &f_i, None);
-                scope.fold(first_j, table.end(j), state, |_, state, facet_j| {
-                    let (other, _) = carried(table, facet_j, &f_j, has_images.then_some(image));
+                // What pairs have in common is read for each of them: registers are full of what their law needs.
+                let state = scope.fold(first_j, table.end(j), state, |_, state, facet_j| {
+                    let (own, stretch) = self.carried(i, facet_i, None);
+                    let (other, _) = self.carried(j, facet_j, has_images.then_some(image));
                     let other = Facet { owner: x.map(|c| -c), ..other };
                     let (part_i, part_j) = (facet_i.number() - first_i.number(), facet_j.number() - first_j.number());
                     let by_part = Recorded::select_lt(part_j, part_i, -one, one);
@@ -224,6 +224,9 @@ impl Points {
                     let b = chosen_facet(sign, &other, own);
                     let press = press_of_pair(&a, &b, Partner::Facet, &law).within(model.dimensions.into());
                     let visit = || {
+                        let (v_i, l_i) = (self.evaluated.get(i), self.motion.velocity_gradient.get(i));
+                        let (v_j, l_j) =
+                            (image.vector(self.evaluated.get(j)), image.tensor(&self.motion.velocity_gradient.get(j)));
                         let to_centre = |first: Vector<Recorded>, second: Vector<Recorded>| {
                             [0, 1, 2].map(|k| chosen(sign, first[k], second[k]))
                         };
@@ -237,9 +240,15 @@ impl Points {
                         )
                     };
                     Recorded::if_lt(zero, press.energy, visit, || state)
-                })
+                });
+                after(state, facet_i, j)
             })
         })
+    }
+
+    /// A facet of a particle where it is, and the stretch along its normal.
+    pub(super) fn carried(self, i: Index, facet: Index, image: Option<&Image>) -> (Facet<Recorded>, Recorded) {
+        carried(self.table, facet, (&self.deformation.whole(i), &shifts(self.edges, i)), image)
     }
 
     /// The body of the nearest particle that a particle may have had contact with, its own if there is none: nothing says

@@ -14,13 +14,13 @@ use crate::engine::columns::{
 use crate::record::{Index, Indices, KernelFault, Recorded};
 use sphorge_engine::FacetLaws;
 use sphorge_engine::model::Model;
-use sphorge_physics::facet::{Facet, FacetPairLaw, ReferenceFacet, edges_reversed};
+use sphorge_physics::facet::{Facet, FacetPairLaw, OnSides, ReferenceFacet, edges_reversed};
 use sphorge_physics::tensor::{apply, dot, inverse, multiply, plus};
 use sphorge_physics::thin::is_thin;
 use sphorge_physics::{Elementary, Real, Tensor, Vector};
 
-/// Whole numbers of a particle in [`Group::Facets`]: the first of its facets, the one behind its last, and its `id`.
-pub(in crate::engine) const FACETS: usize = 3;
+/// Whole numbers of a particle in [`Group::Facets`]: the first of its facets, the one behind its last, its `id`, and the row of what is beside its cell.
+pub(in crate::engine) const FACETS: usize = 4;
 
 /// How much farther than the corners of facets owners are looked for: surfaces are curved.
 const FARTHER: f64 = 1.1;
@@ -35,6 +35,7 @@ pub(super) fn law_numbers(laws: &FacetLaws, (a, b): (usize, usize), friction_sha
 #[derive(Clone, Copy)]
 pub(super) struct Table {
     pub(super) columns: groups::FacetTable<Records>,
+    pub(super) ways: groups::BesideTable<Records>,
     of_particles: Indices,
     stride: Index,
 }
@@ -43,6 +44,7 @@ impl Table {
     pub(super) fn of(bind: &mut Binder<'_>) -> Self {
         Self {
             columns: groups::FacetTable::records(bind),
+            ways: groups::BesideTable::records(bind),
             of_particles: bind.indices(Group::Facets),
             stride: bind.stride(),
         }
@@ -63,7 +65,12 @@ impl Table {
         [id.and(Index::of(!LOW)).number(), id.and(Index::of(LOW)).number()]
     }
 
-    fn facet(self, facet: Index) -> ReferenceFacet<Recorded> {
+    /// The row of what is beside the cell of a particle.
+    pub(super) fn beside(self, i: Index) -> Index {
+        self.of_particles.at(Index::of(3) * self.stride + i)
+    }
+
+    pub(super) fn facet(self, facet: Index) -> ReferenceFacet<Recorded> {
         ReferenceFacet {
             corners: self.columns.corners.get(facet),
             middle: self.columns.middle.get(facet),
@@ -71,6 +78,7 @@ impl Table {
             curvature: self.columns.curvature.get(facet),
             depth: self.columns.depth.get(facet),
             free: self.columns.free.get(facet),
+            across: self.columns.across.get(facet),
         }
     }
 
@@ -88,11 +96,12 @@ impl Table {
 pub(super) fn carried(
     table: Table,
     facet: Index,
-    f: &Tensor<Recorded>,
+    (f, shifts): (&Tensor<Recorded>, &OnSides<Recorded>),
     image: Option<&Image>,
 ) -> (Facet<Recorded>, Recorded) {
     let reference = table.facet(facet);
-    let (now, stretch) = Facet::now([Recorded::zero(); 3], f, &reference).held(reference.depth);
+    let now = Facet::now([Recorded::zero(); 3], f, &reference).shifted(&reference, f, shifts);
+    let (now, stretch) = now.held(reference.depth);
     (image.map_or(now, |image| mirrored(&now, image)), stretch)
 }
 
@@ -113,6 +122,8 @@ fn mirrored(facet: &Facet<Recorded>, image: &Image) -> Facet<Recorded> {
         middle: image.vector(facet.middle),
         normal: image.vector(facet.normal),
         curvature: image.symmetric(facet.curvature),
+        shift: image.vector(facet.shift),
+        shear: image.tensor(&facet.shear),
         free: {
             let reversed = edges_reversed(facet.free);
             [0, 1, 2, 3].map(|k| Recorded::select_lt(hand, Recorded::zero(), reversed[k], facet.free[k]))

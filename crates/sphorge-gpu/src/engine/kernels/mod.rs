@@ -25,6 +25,7 @@ pub(super) mod reductions;
 pub(super) mod reference;
 pub(super) mod reference_forces;
 pub(super) mod section;
+pub(in crate::engine) mod shared_edges;
 pub(super) mod smoothing;
 pub(super) mod stress;
 pub(super) mod sums;

@@ -183,7 +183,7 @@ fn checks_of_single_particles_match_columns_read_back() {
 #[test]
 fn particles_in_cells_of_another_body_are_those_of_the_processor() {
     let text = include_str!("../../../../../docs/warnings/interpenetration.toml");
-    let engine = started((text, &[("particles.spacing", "\"0.5 mm\"")]), 250);
+    let engine = started((text, &[]), 400);
     let found = compare_suspects(&engine, Suspicion::Inside { faces: true, breaks: false });
     assert!(found[0] > 3 && found[1] > 3, "{found:?}");
 }
