@@ -112,6 +112,8 @@ pub(crate) struct Problems {
     lacks_entries: bool,
     /// Whether keys that were to be set were not.
     lacks_keys: bool,
+    /// Whether keys that were set have moved the lines of the text.
+    has_other_lines: bool,
     /// What is probably not meant, by its place.
     doubts: BTreeMap<usize, String>,
 }
@@ -132,6 +134,7 @@ impl Problems {
             spoiled: BTreeSet::new(),
             lacks_entries: false,
             lacks_keys: false,
+            has_other_lines: false,
             doubts: BTreeMap::new(),
         }
     }
@@ -182,9 +185,25 @@ impl Problems {
         self.doubts.remove(&at.start);
     }
 
-    /// What is probably not meant so far, in the order of the text.
+    /// What is probably not meant so far, in the order of the text, each with its line.
     pub(crate) fn take_doubts(&mut self) -> Vec<String> {
-        std::mem::take(&mut self.doubts).into_values().collect()
+        let doubts = std::mem::take(&mut self.doubts);
+        doubts.into_iter().map(|(start, note)| self.at_line(&(start..start), note)).collect()
+    }
+
+    /// Lines of the text are not those of the file that the user knows: notes name none.
+    pub(crate) fn hide_lines(&mut self) {
+        self.has_other_lines = true;
+    }
+
+    /// A note with the line that it is about before it, unless it has no place.
+    pub(crate) fn at_line(&self, at: &Range<usize>, note: String) -> String {
+        match self.text().get(..at.start) {
+            Some(before) if !self.has_other_lines && *at != (0..0) => {
+                format!("line {}: {note}", 1 + before.matches('\n').count())
+            }
+            _ => note,
+        }
     }
 
     pub(crate) fn is_empty(&self) -> bool {

@@ -2,10 +2,11 @@
 
 use super::fault::{Fault, Problems};
 use super::interpret::SourceSpans;
+use super::reach::seconds;
 use super::suggest::listed;
 use sphorge_engine::Particles;
 use sphorge_engine::geometry::{HeatFaces, ReferenceFacets, faces_by_direction};
-use sphorge_engine::model::{Dimensions, HeatBoundary, HeatBoundaryKind, Material, Model};
+use sphorge_engine::model::{Body, Dimensions, HeatBoundary, HeatBoundaryKind, Material, Model};
 
 /// Heat boundaries that name faces which no particle of theirs has.
 pub(crate) fn check_faces(model: &Model, particles: &Particles, places: &SourceSpans, problems: &mut Problems) {
@@ -22,7 +23,7 @@ pub(crate) fn check_faces(model: &Model, particles: &Particles, places: &SourceS
 pub(crate) fn notes(model: &Model, particles: &Particles, without_conductivity: &[String]) -> Vec<String> {
     let of_materials =
         (0..model.materials.len()).filter_map(|m| no_conduction(model, particles, m, without_conductivity));
-    of_materials.chain(side_faces(model, particles)).chain(without_expansion(model)).collect()
+    of_materials.chain(side_faces(model, particles)).chain(without_expansion(model)).chain(too_short(model)).collect()
 }
 
 /// A material without conductivity, where heat is to flow: it takes none of surroundings, either. One whose conductivity of zero is stated
@@ -67,6 +68,29 @@ fn no_conduction(
     Some(format!(
         "material `{name}` {lacks}: {what}; add `conductivity = \"80 W/(m K)\"` with the right value to [material.{name}]{unless}"
     ))
+}
+
+/// Share of the time that heat takes from one particle to the next within which none has moved.
+const NO_TIME: f64 = 0.1;
+
+/// Heat alone, with an end before any has moved.
+fn too_short(model: &Model) -> Option<String> {
+    if model.thermal.mechanics || model.time.max_steps.is_some() {
+        return None;
+    }
+    // `d^2 / a`, with the spacing and the diffusivity.
+    let passes = |body: &Body| {
+        let material = &model.materials[body.material];
+        body.spacing * body.spacing * material.density * material.specific_heat / material.conductivity
+    };
+    let shortest = model.bodies.iter().map(passes).filter(|time| *time > 0.0).fold(f64::INFINITY, f64::min);
+    (shortest.is_finite() && model.time.end < NO_TIME * shortest).then(|| {
+        format!(
+            "the run ends at {}, and heat takes {} from one particle to the next: none is conducted until then; check the unit of `time.end`",
+            seconds(model.time.end),
+            seconds(shortest)
+        )
+    })
 }
 
 /// Share of the largest area by direction that is rounding.
@@ -129,4 +153,34 @@ fn without_expansion(model: &Model) -> Vec<String> {
         })
     };
     model.materials.iter().filter_map(note).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::load_text;
+
+    #[test]
+    fn an_end_before_heat_gets_from_one_particle_to_the_next_is_told() {
+        // (2 mm)^2 * 1000 kg/m^3 * 500 J/(kg K) / (20 W/(m K)) is 100 ms.
+        let notes = |end: &str, thermal: &str| {
+            let deck = format!(
+                "dimensions = \"plane-strain\"\nparticles = {{ spacing = \"2 mm\" }}\ntime = {{ end = \"{end}\" }}\n\
+                 [[body]]\nname = \"block\"\nmaterial = \"block\"\nshape = {{ box = {{ min = [0, 0], max = [\"8 mm\", \"8 mm\"] }} }}\n\
+                 temperature = \"800 degC\"\n\
+                 [material.block]\ndensity = 1000\nyoung-modulus = \"10 GPa\"\npoisson-ratio = 0.3\nstrength = \"elastic\"\n\
+                 specific-heat = 500\nconductivity = 20\n[thermal]\n{thermal}\n"
+            );
+            let notes = load_text("hot", &deck, &[]).unwrap().all_notes();
+            notes.into_iter().filter(|note| note.contains("from one particle to the next")).collect::<Vec<_>>()
+        };
+        let told = notes("1 ms", "mechanics = false");
+        assert!(
+            told.len() == 1
+                && told[0].contains("the run ends at 1 ms, and heat takes 100 ms from one particle to the next"),
+            "{told:?}"
+        );
+        assert_eq!(notes("20 ms", "mechanics = false"), [""; 0]);
+        // In an impact heat has no time, as is known.
+        assert_eq!(notes("1 us", "conduction = true"), [""; 0]);
+    }
 }

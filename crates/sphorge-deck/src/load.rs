@@ -52,12 +52,25 @@ const LONGEST: u64 = 8 << 20;
 
 /// The text of a deck, which may come through a pipe, but not without end.
 fn read_text(path: &Path) -> io::Result<String> {
-    let mut text = String::new();
-    let length = File::open(path)?.take(LONGEST + 1).read_to_string(&mut text)? as u64;
+    let mut bytes = Vec::new();
+    let length = File::open(path)?.take(LONGEST + 1).read_to_end(&mut bytes)? as u64;
     if length > LONGEST {
         return Err(io::Error::new(io::ErrorKind::FileTooLarge, "it is longer than 8 MB, the limit for decks"));
     }
-    Ok(text)
+    String::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, not_utf8(error.as_bytes())))
+}
+
+/// Where a text is not UTF-8, in words.
+fn not_utf8(bytes: &[u8]) -> String {
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        return "line 1: it is UTF-16, not UTF-8".to_owned();
+    }
+    let valid = std::str::from_utf8(bytes).map_or_else(|error| error.valid_up_to(), str::len);
+    let read = String::from_utf8_lossy(&bytes[..valid]);
+    let (line, column) = (read.matches('\n').count() + 1, read.lines().last().unwrap_or_default().chars().count() + 1);
+    let column = if read.ends_with('\n') { 1 } else { column };
+    let byte = bytes.get(valid).copied().unwrap_or_default();
+    format!("line {line}, column {column}: byte {byte:#04x} is not UTF-8")
 }
 
 /// Reads a deck file and fills its bodies with no more than `most_particles`; the file stem names the model.
@@ -92,7 +105,7 @@ pub fn read_deck(path: &Path) -> Result<String, DeckReport> {
     read_text(path).map_err(|error| {
         let help = match error.kind() {
             _ if path.is_dir() => "this is a folder; name a deck, a .toml file",
-            io::ErrorKind::InvalidData => "a deck is UTF-8 text",
+            io::ErrorKind::InvalidData => "a deck is UTF-8 text: save it as UTF-8",
             io::ErrorKind::FileTooLarge => "put thousands of particles into a CSV file: `shape = { table = ... }`",
             _ => "check the path of the deck",
         };
@@ -180,6 +193,7 @@ pub(super) fn read(
 ) -> Result<Setup, DeckReport> {
     let mut deck_text = text.to_owned();
     let mut shown = shown.to_owned();
+    let mut has_other_lines = false;
     if !overrides.is_empty()
         && let Some((changed, refused)) = overrides::apply(text, overrides)
     {
@@ -187,10 +201,15 @@ pub(super) fn read(
         if !refused.is_empty() {
             return Err(with_faults_of_the_rest(refused, &shown, name, &changed, folder));
         }
+        let lines = |text: &str| text.matches('\n').count();
+        has_other_lines = lines(text) != lines(&changed);
         deck_text = changed;
     }
     let mut problems = Problems::new(&shown, &deck_text).with_folder(folder.unwrap_or(Path::new("")));
-    let Interpreted { model, places, mut notes, catalogue_notes, without_conductivity } =
+    if has_other_lines {
+        problems.hide_lines();
+    }
+    let Interpreted { model, places, mut notes, catalogue_notes, without_conductivity, with_odd_moduli } =
         read_model(name, &mut problems)?;
     match geometry::fill(&model, most_particles) {
         Ok(particles) => {
@@ -201,13 +220,16 @@ pub(super) fn read(
             let masses = geometry::filled_masses(&model, &particles);
             notes.extend(placement::notes(&model, &particles, &masses));
             notes.extend(slips(&model, &particles));
-            notes.extend(advice::doubts(&model, &particles));
+            notes.extend(advice::doubts(&model, &particles, &with_odd_moduli));
             notes.extend(linear_law::notes(&model));
             notes.extend(heat::notes(&model, &particles, &without_conductivity));
             notes.extend(closeness::notes(&model, &particles));
             notes.extend(quarters::notes(&model, &particles));
             let mut notes_unless_driven: Vec<String> = driven::note(&deck_text).into_iter().collect();
             notes_unless_driven.extend(slips_unless_driven(&model, &particles));
+            for note in notes.iter_mut().chain(&mut notes_unless_driven) {
+                *note = places.subjects.with_line(std::mem::take(note), &problems);
+            }
             let deck_text = with_whole_paths(deck_text, &model)?;
             Ok(Setup { deck_text, model, particles, masses, notes, notes_unless_driven, catalogue_notes })
         }
@@ -254,4 +276,28 @@ pub(super) fn read_model(name: &str, problems: &mut Problems) -> Result<Interpre
     let interpreted = raw.and_then(|raw| interpret(&raw, name, problems));
     problems.check()?;
     interpreted.ok_or_else(|| problems.report("the deck has errors"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::read_deck;
+
+    #[test]
+    fn where_a_deck_is_not_utf8_is_told() {
+        let told = |bytes: &[u8]| {
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("t.toml");
+            std::fs::write(&path, bytes).unwrap();
+            let report = read_deck(&path).unwrap_err();
+            format!("{report}; {}", report.problems()[0].help().unwrap_or_default())
+        };
+        let latin = told(b"# a\ntitle = \"Stahltr\xe4ger\"\n");
+        assert!(
+            latin.contains("line 2, column 17") && latin.contains("0xe4") && latin.contains("save it as UTF-8"),
+            "{latin}"
+        );
+        assert!(told(b"# a\n\xb5").contains("line 2, column 1:"));
+        let wide = told(b"\xff\xfet\0i\0");
+        assert!(wide.contains("line 1: it is UTF-16") && wide.contains("save it as UTF-8"), "{wide}");
+    }
 }

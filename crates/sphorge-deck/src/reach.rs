@@ -1,11 +1,12 @@
 //! Bodies that are on their way to nothing, or do not get there before the end. Said by `sphorge check` and `sphorge run`.
 
 use crate::bonds::reach;
+use crate::falls;
 use sphorge_engine::Particles;
 use sphorge_engine::model::{Model, MotionAxis, TimeTable, WallSurface};
 
 /// Spacings from which on bodies may feel each other, and walls.
-const NEAR: f64 = 3.0;
+pub(crate) const NEAR: f64 = 3.0;
 /// Deviation of velocities, over the speed, up to which a body moves as a whole.
 const UNIFORM: f64 = 1e-6;
 
@@ -20,7 +21,7 @@ pub(crate) struct Moving {
 /// When something is met, s: at the earliest by the boxes around it, and when these are as near as bodies feel each other.
 #[derive(Clone, Copy)]
 pub(crate) struct Meeting {
-    touches: f64,
+    pub(crate) touches: f64,
     pub(crate) feels: f64,
 }
 
@@ -34,19 +35,21 @@ pub(crate) struct Entry {
     pub(crate) axis: Option<usize>,
 }
 
-/// What the courses of bodies at the start say against the deck. Nothing where forces or parts of a body bend them.
+/// What the courses of bodies at the start say against the deck. Nothing where parts of a body bend them.
 pub(crate) fn ways(model: &Model, particles: &Particles) -> Vec<String> {
-    let bends = !model.thermal.mechanics
-        || model.time.max_steps.is_some()
-        || model.gravity != [0.0; 3]
-        || model.periodic.iter().any(Option::is_some);
+    let bends =
+        !model.thermal.mechanics || model.time.max_steps.is_some() || model.periodic.iter().any(Option::is_some);
     if bends {
         return Vec::new();
+    }
+    if model.gravity != [0.0; 3] {
+        return falls::ways(model, particles);
     }
     let Some(bodies) = boxes(model, particles) else { return Vec::new() };
     let walls: Option<Vec<[f64; 3]>> = model.walls.iter().map(|wall| constant(&wall.velocity)).collect();
     let Some(walls) = walls else { return Vec::new() };
     let mut notes = Vec::new();
+    let beside = beside_walls(model, &bodies, &walls);
     // Bodies that move together are one: the first to arrive counts.
     let mut told = vec![false; bodies.len()];
     for b in 0..bodies.len() {
@@ -80,6 +83,10 @@ pub(crate) fn ways(model: &Model, particles: &Particles) -> Vec<String> {
                 meet(meeting, format!("wall `{}`", wall.name), None);
             }
             for plane in &model.symmetry {
+                // What lies at the plane and moves along it does as its image does.
+                if own[plane.axis].abs() <= UNIFORM * speed {
+                    continue;
+                }
                 let along = |value: f64| std::array::from_fn(|a| if a == plane.axis { value } else { 0.0 });
                 // What is near enough to its image is bound to it, wherever it moves.
                 let bond = bodies[k].meets_plane(
@@ -94,6 +101,8 @@ pub(crate) fn ways(model: &Model, particles: &Particles) -> Vec<String> {
         }
         let name = &model.bodies[b].name;
         match first {
+            // What moves with a wall has been told.
+            None if group.iter().any(|&k| beside.iter().any(|(body, _)| *body == k)) => {}
             None => notes.push(format!(
                 "body `{name}` moves at {speed:.0} m/s and meets nothing: no body, wall or symmetry plane is in its way; check its velocity and where it starts"
             )),
@@ -109,11 +118,37 @@ pub(crate) fn ways(model: &Model, particles: &Particles) -> Vec<String> {
             Some(_) => {}
         }
     }
-    notes
+    notes.into_iter().chain(beside.into_iter().map(|(_, note)| note)).collect()
+}
+
+/// Walls that move as a body before them does and are met by none, with that body and what there is to say: one for each wall.
+fn beside_walls(model: &Model, bodies: &[Moving], velocities: &[[f64; 3]]) -> Vec<(usize, String)> {
+    let mut told = Vec::new();
+    for (wall, &velocity) in model.walls.iter().zip(velocities) {
+        let WallSurface::Plane { point, normal } = wall.surface else { continue };
+        // One that slides along itself is as one at rest.
+        if dot(velocity, normal) == 0.0 {
+            continue;
+        }
+        let near = |k: usize| NEAR * model.bodies[k].spacing;
+        let is_met = |k: usize| bodies[k].meets_plane(point, normal, velocity, near(k)).is_some();
+        let Some(k) = (0..bodies.len()).find(|&k| is_like(bodies[k].velocity, velocity)) else { continue };
+        if !(0..bodies.len()).any(is_met) {
+            let name = &model.bodies[k].name;
+            let note = format!(
+                "body `{name}` and wall `{}` both move at {:.0} m/s the same way, so that they never meet: leave one of the two velocities out, or \
+                 give them opposite signs",
+                wall.name,
+                dot(velocity, velocity).sqrt()
+            );
+            told.push((k, note));
+        }
+    }
+    told
 }
 
 /// The boxes around bodies, with half a spacing outside of their outermost particles; none where a body does not move as a whole or is driven.
-fn boxes(model: &Model, particles: &Particles) -> Option<Vec<Moving>> {
+pub(crate) fn boxes(model: &Model, particles: &Particles) -> Option<Vec<Moving>> {
     let mut boxes: Vec<Option<Moving>> = vec![None; model.bodies.len()];
     for ((&body, x), v) in particles.body.iter().zip(&particles.position).zip(&particles.velocity) {
         let half = 0.5 * model.bodies[body as usize].spacing;
@@ -143,12 +178,12 @@ fn boxes(model: &Model, particles: &Particles) -> Option<Vec<Moving>> {
 }
 
 /// A velocity that does not change, m/s.
-fn constant(velocity: &[TimeTable; 3]) -> Option<[f64; 3]> {
+pub(crate) fn constant(velocity: &[TimeTable; 3]) -> Option<[f64; 3]> {
     let is_constant = |table: &TimeTable| table.points.iter().all(|(_, value)| *value == table.points[0].1);
     velocity.iter().all(is_constant).then(|| [0, 1, 2].map(|a| velocity[a].at(0.0)))
 }
 
-fn is_like(a: [f64; 3], b: [f64; 3]) -> bool {
+pub(crate) fn is_like(a: [f64; 3], b: [f64; 3]) -> bool {
     let off = minus(a, b);
     dot(off, off) <= UNIFORM * UNIFORM * dot(a, a).max(dot(b, b))
 }
@@ -202,7 +237,7 @@ impl Moving {
 }
 
 /// A time as it is said.
-fn seconds(time: f64) -> String {
+pub(crate) fn seconds(time: f64) -> String {
     let (factor, unit) = match time {
         t if t < 1e-6 => (1e9, "ns"),
         t if t < 1e-3 => (1e6, "us"),
@@ -257,18 +292,15 @@ mod tests {
             "",
             "`bar` meets body `plate` after 100 us at the earliest, and the run ends at 60 us",
         );
-        // Not where the time is that of a measurement of speed, or where something else moves it.
+        // Not where the time is that of a measurement of speed.
         assert_eq!(notes(&[("120 us", "60 us"), ("time = { ", "time = { max-steps = 9, ")], ""), [""; 0]);
-        assert_eq!(
-            notes(
-                &[
-                    ("120 us", "60 us"),
-                    ("[[body]]\nname = \"plate\"", "gravity = [0, -9.81]\n[[body]]\nname = \"plate\"")
-                ],
-                ""
-            ),
-            [""; 0]
-        );
+        // Gravity and planes of symmetry along which it moves change nothing.
+        let gravity = ("[[body]]\nname = \"plate\"", "gravity = [0, -9.81]\n[[body]]\nname = \"plate\"");
+        told(&[("120 us", "60 us"), gravity], "", "`bar` meets body `plate` after 100 us");
+        assert_eq!(notes(&[gravity], ""), [""; 0]);
+        let half = ("7 mm", "0 mm");
+        told(&[("120 us", "60 us"), half], "[[symmetry]]\naxis = \"x\"\n", "`bar` meets body `plate` after 100 us");
+        assert_eq!(notes(&[half], "[[symmetry]]\naxis = \"x\"\n"), [""; 0]);
         // Both move, and one is told.
         told(&[("120 us", "30 us"), ("\"6 mm\"] } }\n", "\"6 mm\"] } }\nvelocity = [0, 100]\n")], "", "after 50 us");
         assert_eq!(
@@ -291,6 +323,24 @@ mod tests {
             "[[region]]\nname = \"r\"\nbody = \"plate\"\n[[motion]]\nregion = \"r\"\nvelocity = [0, \"50 m/s\"]\n";
         assert_eq!(notes(&[BESIDE], drive), [""; 0]);
         told(&[BESIDE], &drive.replace("50 m/s", "0 m/s"), "meets nothing");
+    }
+
+    #[test]
+    fn a_wall_that_moves_as_the_body_before_it_is_told() {
+        let moving = |velocity: &str| WALL.to_owned() + &format!("velocity = {velocity}\n");
+        let both = "body `bar` and wall `floor` both move at 100 m/s the same way, so that they never meet";
+        told(&[BESIDE, ("120 us", "700 us")], &moving("[0, -100]"), both);
+        // So it is where another body is met, which the wall is not.
+        told(&[("120 us", "700 us")], &moving("[0, -100]"), both);
+        // A wall at rest, one that comes, and one that pushes what it touches.
+        for velocity in ["[0, 0]", "[0, 100]", "[0, -99]"] {
+            let notes = notes(&[BESIDE, ("120 us", "70 ms")], &moving(velocity));
+            assert!(notes.iter().all(|note| !note.contains("never meet")), "{velocity}: {notes:?}");
+        }
+        let pushed = moving("[0, -100]").replace("-50 mm", "16 mm").replace("floor", "ram");
+        let pushed =
+            notes(&[("[0, 0], max = [\"20 mm\", \"6 mm\"]", "[0, \"40 mm\"], max = [\"20 mm\", \"46 mm\"]")], &pushed);
+        assert!(pushed.iter().all(|note| !note.contains("never meet")), "{pushed:?}");
     }
 
     #[test]

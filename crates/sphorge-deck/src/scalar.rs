@@ -77,26 +77,19 @@ impl Scalar {
         }
         if kind == QuantityKind::TEMPERATURE && (0.0..COLDEST).contains(&value) && self.has_no_unit() {
             let note = format!(
-                "`{}` in line {} is {value} K, since a number without a unit is in SI: write \"{value} degC\" or \"{value} K\"",
-                self.with_its_key(problems.text()),
-                self.line(problems.text())
+                "`{}` is {value} K, since a number without a unit is in SI: write \"{value} degC\" or \"{value} K\"",
+                self.with_its_key(problems.text())
             );
             problems.doubt(&self.span, note);
         }
         if kind == QuantityKind::ANGLE && value.abs() > TAU && self.has_no_unit() {
             let note = format!(
-                "`{}` in line {} is {value} rad, more than a turn, since a number without a unit is in SI: write \"{value} deg\" or \"{value} rad\"",
-                self.with_its_key(problems.text()),
-                self.line(problems.text())
+                "`{}` is {value} rad, more than a turn, since a number without a unit is in SI: write \"{value} deg\" or \"{value} rad\"",
+                self.with_its_key(problems.text())
             );
             problems.doubt(&self.span, note);
         }
         Some(value)
-    }
-
-    /// Its line in a text, from one on.
-    fn line(&self, text: &str) -> usize {
-        1 + text[..self.span.start.min(text.len())].matches('\n').count()
     }
 
     /// Whether it is a number alone, quoted or not.

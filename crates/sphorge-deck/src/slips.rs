@@ -1,6 +1,7 @@
 //! Numbers that no engineer means: a wrong unit, a wrong sign, a load that is not there. Said by `sphorge check` and `sphorge run`.
 
 use super::coefficients::coefficients;
+use super::drives;
 use super::reach::ways;
 use sphorge_engine::Particles;
 use sphorge_engine::geometry::pressed_at_start;
@@ -38,10 +39,12 @@ pub(crate) fn slips_unless_driven(model: &Model, particles: &Particles) -> Vec<S
     let courses = courses(model, particles);
     let bodies = 0..model.bodies.len();
     let left: Vec<String> = bodies.filter_map(|b| leaves_its_wall(model, &courses, b)).collect();
+    let falls = falls_away(model, &courses);
     // What leaves a wall has been told to meet nothing.
-    let ways = if left.is_empty() { ways(model, particles) } else { Vec::new() };
+    let ways = if left.is_empty() && falls.is_none() { ways(model, particles) } else { Vec::new() };
     let rest = at_rest(model, particles).into_iter();
-    rest.chain(left).chain(ways).chain(falls_away(model, &courses)).chain(blind_measures(model, particles)).collect()
+    let drives = drives::notes(model, particles);
+    rest.chain(left).chain(ways).chain(falls).chain(drives).chain(blind_measures(model, particles)).collect()
 }
 
 /// How many times as far as the fastest of the start something may get: jets outrun what makes them.

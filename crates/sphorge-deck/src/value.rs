@@ -172,6 +172,14 @@ impl<C: Choices> Choice<C> {
         let index = chosen(&self.0, C::WHAT, &words, C::meant, problems)?;
         Some(table.swap_remove(index).1)
     }
+
+    /// The word, if one is written, without a fault if it is not.
+    pub(crate) fn peek(&self) -> Option<&str> {
+        match &self.0.literal {
+            Literal::Text(text) => Some(text),
+            _ => None,
+        }
+    }
 }
 
 /// The index of the word that is written.

@@ -2,12 +2,13 @@
 
 use crate::declare::Named;
 use crate::fault::{Fault, Problems};
-use crate::material::{Constants, Incomplete, Missing, advice, build, constants, entries, entry, places};
+use crate::material::{Constants, Incomplete, Missing, advice, build, constants, entries, entry, is_of_moduli, places};
 use crate::printable::is_printable;
 use crate::raw::RawMaterial;
 use crate::suggest::{did_you_mean, like, listed};
 use crate::value::Word;
 use sphorge_engine::model::Material;
+use sphorge_physics::damage::DAMAGE_LAWS;
 use sphorge_physics::flow::FlowLaw;
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
@@ -110,6 +111,18 @@ impl Library {
         self.chain(name).find_map(|own| own.places.get(key).cloned())
     }
 
+    /// Where the deck gives the constant that a note on a material names first.
+    fn place_of_note(&self, name: &str, note: &str) -> Option<Range<usize>> {
+        let keys = self.chain(name).flat_map(|own| &own.places);
+        let named = |(key, at): (&String, &Range<usize>)| {
+            let words = WORDS.iter().filter(|(of, _)| of == key).filter_map(|(_, words)| note.find(words));
+            let constant = key.rsplit('.').next().unwrap_or(key);
+            Some((words.chain(note.find(&format!("`{constant}`"))).min()?, at.clone()))
+        };
+        // Of a key that a material and what it is based on both have the first counts.
+        keys.filter_map(named).min_by_key(|(start, _)| *start).map(|(_, at)| at)
+    }
+
     /// The constants of a material with those of its bases; `None` for an unknown or circular one, or a chain too long.
     fn constants(&self, name: &str) -> Option<Constants> {
         let mut layers: Vec<&Constants> = Vec::new();
@@ -142,6 +155,23 @@ impl Library {
     }
 }
 
+/// Words of notes for constants of a material, beside their keys.
+const WORDS: [(&str, &str); 13] = [
+    ("density", "density"),
+    ("young-modulus", "Young's modulus"),
+    ("shear-modulus", "shear modulus"),
+    ("poisson-ratio", "Poisson's ratio"),
+    ("specific-heat", "specific heat"),
+    ("conductivity", "conductivity"),
+    ("reference-temperature", "reference temperature"),
+    ("equation-of-state", "pressure law"),
+    ("equation-of-state.sound-speed", "speed of sound"),
+    ("young-modulus", "speed of sound"),
+    ("shear-modulus", "speed of sound"),
+    ("bulk-modulus", "speed of sound"),
+    ("strength", "yields at"),
+];
+
 /// A material that a body uses.
 struct Used {
     name: String,
@@ -152,6 +182,8 @@ struct Used {
     /// Whether some of its constants could not be read: what it then lacks is told already.
     is_spoiled: bool,
     states_conductivity: bool,
+    /// Whether its density or a modulus has been told to be wrong.
+    has_odd_moduli: bool,
 }
 
 /// The materials the bodies use, in order of first use.
@@ -199,17 +231,25 @@ impl<'a> Chosen<'a> {
             }
         });
         let mut material = material.ok();
-        let notes = if own.is_some() { &mut self.notes } else { &mut self.catalogue_notes };
-        notes.extend(material.iter().flat_map(|material| advice(&constants, material)));
+        let mut told: Vec<String> = material.iter().flat_map(|material| advice(&constants, material)).collect();
+        let has_odd_moduli = told.iter().any(|note| is_of_moduli(note));
         // What is judged is the material, not what stands for it.
         if let (Some(factor), Some(_)) = (constants.mass_scaling, &material) {
             let scaled = build(name, &constants.clone().with_scaled_mass()).ok();
             material = scaled.map(|scaled| Material { mass_scaling: factor, ..scaled });
-            notes.extend(scaled_mass(name, factor));
+            told.extend(scaled_mass(name, factor));
+        }
+        match own {
+            Some(own) => {
+                let place = |note: &str| self.library.place_of_note(name, note).unwrap_or_else(|| own.at.clone());
+                self.notes.extend(told.into_iter().map(|note| problems.at_line(&place(&note), note)));
+            }
+            None => self.catalogue_notes.extend(told),
         }
         self.indices.insert(name.to_owned(), self.chosen.len());
         let states_conductivity = constants.conductivity.is_some();
-        let used = Used { name: name.to_owned(), material, at: word.span(), is_spoiled, states_conductivity };
+        let at = word.span();
+        let used = Used { name: name.to_owned(), material, at, is_spoiled, states_conductivity, has_odd_moduli };
         self.chosen.push(used);
         Some(self.chosen.len() - 1)
     }
@@ -310,6 +350,11 @@ impl<'a> Chosen<'a> {
         without.map(|used| used.name.clone()).collect()
     }
 
+    /// Those whose density or modulus has been told to be wrong.
+    pub(crate) fn with_odd_moduli(&self) -> Vec<String> {
+        self.chosen.iter().filter(|used| used.has_odd_moduli).map(|used| used.name.clone()).collect()
+    }
+
     /// Reports materials with a law of the deformation gradient, which the updated Lagrangian form does not have.
     pub(crate) fn refuse_hyperelastic(&self, problems: &mut Problems) {
         for Used { name, material, at, .. } in &self.chosen {
@@ -356,6 +401,22 @@ fn scaled_mass(name: &str, factor: f64) -> Option<String> {
     })
 }
 
+/// Which materials of the catalogue have constants of a law of damage, to be taken by its word alone.
+fn with_constants_of(key: &str, law: &str) -> String {
+    let has = |constants: &Constants| constants.damage.as_ref().is_some_and(|of| DAMAGE_LAWS[of.law].key == law);
+    let names: Vec<&str> =
+        entries().iter().filter(|(_, constants)| has(constants)).map(|(name, _)| name.as_str()).collect();
+    if key == "damage" && !names.is_empty() {
+        format!(
+            "; in the catalogue {} {} constants of `{law}`",
+            listed(names.iter().copied(), "and"),
+            if names.len() == 1 { "has" } else { "have" }
+        )
+    } else {
+        String::new()
+    }
+}
+
 fn report(name: &str, incomplete: Incomplete, word: &Word, library: &Library, problems: &mut Problems) {
     let own = library.own.get(name);
     // What the user wrote of it comes first, else where the material begins.
@@ -392,10 +453,27 @@ fn report(name: &str, incomplete: Incomplete, word: &Word, library: &Library, pr
                     &[*beside],
                     if of_law.len() > 1 { "this needs them" } else { "this needs it" },
                 );
-                let table = if table.is_empty() { name.to_owned() } else { format!("{name}.{table}") };
                 let wanted: Vec<String> =
                     of_law.iter().map(|constant| format!("`{}`, {}", constant.key, constant.meaning)).collect();
-                let help = format!("add {}, to [material.{table}]{base}", wanted.join("; "));
+                let wanted = wanted.join("; ");
+                let written = library.place(name, beside).and_then(|at| problems.text().get(at));
+                let is_word = written.is_some_and(|written| written.starts_with(['"', '\'']));
+                let help = match table.split_once('.') {
+                    // A word cannot be added to, by no header either.
+                    Some((key, law)) if is_word => {
+                        let constants: Vec<String> =
+                            of_law.iter().map(|constant| format!("{} = ...", constant.key)).collect();
+                        format!(
+                            "write `{key} = {{ {law} = {{ {} }} }}` in place of this line, with {wanted}{}",
+                            constants.join(", "),
+                            with_constants_of(key, law)
+                        )
+                    }
+                    _ => {
+                        let table = if table.is_empty() { name.to_owned() } else { format!("{name}.{table}") };
+                        format!("add {wanted}, to [material.{table}]{base}")
+                    }
+                };
                 problems.push(fault.help(help).if_its_entry_is_whole());
             }
         }

@@ -5,12 +5,14 @@ mod boundary;
 mod cloud;
 mod contact;
 mod fast;
+mod idle;
 mod limits;
 mod material;
 mod measure;
 mod numerics;
 mod observed;
 mod shape;
+mod subjects;
 mod thermal;
 mod velocity;
 mod warnings;
@@ -25,6 +27,7 @@ use super::value::{Kind, ScalarOr, VectorOf, Word};
 use sphorge_engine::model::{BodyContact, Dimensions, Formulation, Integrator, Model, Numerics, Region, Search};
 use sphorge_engine::particles::{DEFORMATION_GRADIENT, is_kept};
 use std::{cell::Cell, collections::HashMap, ops::Range};
+use subjects::Subjects;
 
 /// Where the things of a model stand in the deck, for faults found only when particles exist.
 #[derive(Debug, Default)]
@@ -40,6 +43,8 @@ pub(crate) struct SourceSpans {
     pub(crate) motions: Vec<Range<usize>>,
     pub(crate) tracers: Vec<Range<usize>>,
     pub(crate) heat_boundaries: Vec<Range<usize>>,
+    /// What notes are about.
+    pub(crate) subjects: Subjects,
 }
 
 /// More than one of what names name.
@@ -226,6 +231,8 @@ pub(crate) struct Interpreted {
     pub(crate) catalogue_notes: Vec<String>,
     /// Names of materials whose conductivity is zero because nothing states it.
     pub(crate) without_conductivity: Vec<String>,
+    /// Names of materials whose density or modulus has been told to be wrong: what follows from it is not.
+    pub(crate) with_odd_moduli: Vec<String>,
 }
 
 /// Interprets a deck; `None` only with faults in `problems`.
@@ -323,12 +330,12 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         motions: raw.motion.iter().map(|m| m.region.span()).collect(),
         heat_boundaries: raw.thermal.iter().flat_map(|thermal| &thermal.boundary).map(|b| b.name.span()).collect(),
         tracers: raw.tracer.iter().map(|t| t.point.span.clone()).collect(),
+        subjects: Subjects::new(raw),
     };
     let dropped = strategy.zip(numerics.as_mut()).and_then(|(strategy, n)| strategy.normalise(n));
-    let mut notes = problems.take_doubts();
-    notes.extend(materials.notes().iter().cloned());
+    let mut notes = materials.notes().to_vec();
     let catalogue_notes = materials.catalogue_notes().to_vec();
-    let without_conductivity = materials.without_conductivity();
+    let (without_conductivity, with_odd_moduli) = (materials.without_conductivity(), materials.with_odd_moduli());
     notes.extend(dropped);
     let used_by = "no motion, measure, tracer or heat boundary";
     notes.extend(
@@ -375,7 +382,9 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     let (of_shocks, note) = fast::viscosity_of_shocks(&raw.numerics, usual.viscosity_of_shocks, &model);
     model.numerics.viscosity_of_shocks = of_shocks;
     notes.extend(note);
-    Some(Interpreted { model, places, notes, catalogue_notes, without_conductivity })
+    idle::tell(raw, &model, problems);
+    notes.splice(0..0, problems.take_doubts());
+    Some(Interpreted { model, places, notes, catalogue_notes, without_conductivity, with_odd_moduli })
 }
 
 /// Choices that exclude each other.

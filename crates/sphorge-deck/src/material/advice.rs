@@ -3,7 +3,7 @@
 use super::breaking::breaking;
 use super::constants::Constants;
 use super::plausible::implausible;
-use super::poisson::{OF_METALS, STATED_NEARLY, nearly_incompressible, poisson_ratio, ratio_of_waves};
+use super::poisson::{OF_METALS, STATED_NEARLY, STATED_WITHIN, nearly_incompressible, poisson_ratio, ratio_of_waves};
 use crate::suggest::listed;
 use sphorge_engine::model::Material;
 use sphorge_physics::flow::FlowState;
@@ -56,6 +56,9 @@ fn slip_of_unit(constants: &Constants, material: &Material) -> Option<String> {
             "material `{name}`: a density of {density} kg/m^3 is that of a gas, and its shear modulus that of a solid: is \"{density} g/cm^3\" meant?"
         ));
     }
+    if let Some(told) = slip_beside_shear(constants, material) {
+        return Some(told);
+    }
     let (given, modulus) = match constants.elastic.young {
         Some(young) => ("Young's modulus", young),
         None => ("shear modulus", shear),
@@ -66,7 +69,11 @@ fn slip_of_unit(constants: &Constants, material: &Material) -> Option<String> {
     let stated = constants.elastic.completed().and_then(|elastic| elastic.poisson);
     let scaled = |factor: f64| Material { shear_modulus: factor * shear, ..material.clone() };
     let is_meant = |factor: &f64| {
-        let (least, most) = stated.map_or(OF_METALS, |nu| (nu - STATED_NEARLY, nu + STATED_NEARLY));
+        let (least, most) = match stated {
+            Some(nu) => (nu - STATED_NEARLY, nu + STATED_NEARLY),
+            // Published pressure laws and moduli go together within this.
+            None => (OF_METALS.0 - STATED_WITHIN, OF_METALS.1 + STATED_WITHIN),
+        };
         let of_metal = within(factor * 2.6 * shear, MODULI);
         // A pressure law of its own tells what the modulus is.
         of_metal && (!is_odd_ratio || within(ratio_of_waves(&scaled(*factor)), (least, most)))
@@ -77,6 +84,37 @@ fn slip_of_unit(constants: &Constants, material: &Material) -> Option<String> {
     Some(format!(
         "material `{name}`: a {given} of {modulus:.3e} Pa is that of no metal with a density of {density} kg/m^3: is \"{giga} GPa\" meant?"
     ))
+}
+
+/// A modulus beside a shear modulus that goes with it in another unit alone.
+fn slip_beside_shear(constants: &Constants, material: &Material) -> Option<String> {
+    let shear = constants.elastic.shear?;
+    let by_young = |young: f64| young / (2.0 * shear) - 1.0;
+    let by_bulk = |bulk: f64| (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear));
+    let (what, modulus, ratio): (_, _, &dyn Fn(f64) -> f64) = match (constants.elastic.young, constants.elastic.bulk) {
+        (Some(young), None) => ("Young's modulus", young, &by_young),
+        (None, Some(bulk)) => ("bulk modulus", bulk, &by_bulk),
+        _ => return None,
+    };
+    let is_meant = |meant: &f64| (0.0..0.4999).contains(&ratio(*meant));
+    let meant = [1e3, 1e6, 1e9].map(|factor| factor * modulus).into_iter().find(is_meant);
+    let giga = |value: f64| (value / 1e9 * 1e6).round() / 1e6;
+    meant.filter(|_| ratio(modulus) < 0.0).map(|meant| {
+        format!(
+            "material `{}`: a {what} of {modulus:.3e} Pa does not go with a shear modulus of {} GPa: is \"{} GPa\" meant?",
+            material.name,
+            giga(shear),
+            giga(meant)
+        )
+    })
+}
+
+/// Whether a note says that a density or a modulus is wrong, so that the speed of sound, and what is compared with it, is.
+pub(crate) fn is_of_moduli(note: &str) -> bool {
+    let is_of = |what: &str| note.contains(&format!("its {what} of"));
+    ["that of no metal with", "that of a gas", "does not go with a shear"].iter().any(|words| note.contains(words))
+        || (note.contains("that of no matter")
+            && ["density", "shear modulus", "speed of sound", "`sound-speed`"].iter().any(|what| is_of(what)))
 }
 
 /// Stress at which a material yields as it starts, Pa, if it does.
@@ -142,7 +180,7 @@ fn beyond_matter(constants: &Constants, material: &Material, has_slip: bool) -> 
         told.extend(soft);
     }
     let stated = constants.elastic.completed().and_then(|elastic| elastic.poisson);
-    if let Some(nu) = stated.filter(|nu| *nu < 0.0) {
+    if let Some(nu) = stated.filter(|nu| *nu < 0.0 && !has_slip) {
         told.push(format!(
             "material `{}`: its Poisson's ratio of {nu:.2} is negative, which no metal has: check the elastic constants",
             material.name
@@ -279,6 +317,40 @@ mod tests {
         // Magnesium, by what it bears.
         let told = notes_of("1740", "\"45 MPa\"", linear, yields);
         assert!(told.len() == 1 && told[0].contains("is \"45 GPa\" meant?"), "{told:?}");
+    }
+
+    #[test]
+    fn a_modulus_without_its_unit_is_told_once_whatever_goes_with_it() {
+        let notes = |constants: &str, speed: f64| {
+            let deck = format!(
+                "dimensions = \"plane-strain\"\nparticles = {{ spacing = \"1 mm\" }}\ntime = {{ end = \"20 us\", max-steps = 1 }}\n{constants}\n[[body]]\n\
+                 name = \"b\"\nmaterial = \"armco-iron\"\nvelocity = [{speed}, 0]\nshape = {{ box = {{ min = [0, 0], max = [\"6 mm\", \"6 mm\"] }} }}\n"
+            );
+            crate::load_text("deck", &deck, &[]).unwrap_or_else(|report| panic!("{report}")).all_notes()
+        };
+        let own = "[material.armco-iron]\nequation-of-state = \"linear\"\n";
+        for (constants, meant) in [
+            (
+                "young-modulus = 210000\npoisson-ratio = 0.3",
+                "line 6: material `armco-iron`: a Young's modulus of 2.100e5 Pa is that of no",
+            ),
+            (
+                "young-modulus = 210000\nshear-modulus = \"80 GPa\"",
+                "does not go with a shear modulus of 80 GPa: is \"210 GPa\" meant?",
+            ),
+            ("bulk-modulus = 160000\nshear-modulus = \"80 GPa\"", "a bulk modulus of 1.600e5 Pa does not go with"),
+            ("young-modulus = 210000\nbulk-modulus = \"160 GPa\"", "is \"210 GPa\" meant?"),
+            ("shear-modulus = 80000\npoisson-ratio = 0.3", "line 6: "),
+        ] {
+            // So fast that a body would be told to exceed the speed of sound that follows.
+            for speed in [0.0, 200.0] {
+                let told = notes(&format!("{own}{constants}"), speed);
+                assert!(told.len() == 1 && told[0].contains(meant), "{constants} {speed}: {told:?}");
+            }
+        }
+        // With the pressure law of the catalogue.
+        let told = notes("[material.armco-iron]\nshear-modulus = 80000", 200.0);
+        assert!(told.len() == 1 && told[0].contains("is \"80 GPa\" meant?"), "{told:?}");
     }
 
     #[test]

@@ -13,7 +13,7 @@ mod read;
 pub use catalogue::{catalogue, find};
 pub use listing::{ConstantLine, LawListing, MaterialListing};
 
-pub(crate) use advice::advice;
+pub(crate) use advice::{advice, is_of_moduli};
 pub(crate) use build::{Incomplete, Missing, build};
 pub(crate) use catalogue::{entries, entry};
 pub(crate) use constants::Constants;

@@ -79,7 +79,7 @@ fn law<C: LawTable>(raw: &RawLaw<C>, problems: &mut Problems) -> Option<LawConst
     Some(LawConstants { law, values })
 }
 
-/// Where the keys of a material stand that faults speak of: `young-modulus`, and `strength.B` for a constant of its law.
+/// Where the keys of a material stand that faults and notes speak of: `young-modulus`, and `strength.B` for a constant of its law.
 pub(crate) fn places(raw: &RawMaterial) -> BTreeMap<String, Range<usize>> {
     fn of<K: Kind>(given: &Option<Given<K>>) -> Option<Range<usize>> {
         given.as_ref().map(Given::span)
@@ -95,6 +95,12 @@ pub(crate) fn places(raw: &RawMaterial) -> BTreeMap<String, Range<usize>> {
         ("fracture-energy", of(&raw.fracture_energy)),
         ("softening-displacement", of(&raw.softening_displacement)),
         ("softening", of(&raw.softening)),
+        ("specific-heat", of(&raw.specific_heat)),
+        ("conductivity", of(&raw.conductivity)),
+        ("taylor-quinney", of(&raw.taylor_quinney)),
+        ("mass-scaling", of(&raw.mass_scaling)),
+        ("spall-pressure", of(&raw.spall_pressure)),
+        ("spall-opening", of(&raw.spall_opening)),
         ("after-failure", raw.after_failure.as_ref().map(Choice::span)),
     ];
     let mut places: BTreeMap<_, _> =

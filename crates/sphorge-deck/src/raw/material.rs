@@ -23,7 +23,7 @@ tables! {
         /// Young's modulus E.
         young_modulus: Option<Given<Stress>>, example "210 GPa", otherwise "from two others";
         /// Poisson's ratio nu. `check` and `run` print a note if the ratio that follows from the bulk modulus `rho_0 c_0^2` of the pressure law
-        /// and the shear modulus differs from it by more than 0.03 or, where none is given for a metal, lies outside 0.20 to 0.45, and if it
+        /// and the shear modulus differs from it by more than 0.03 (in light, soft matter such as polymers 0.12 upwards) or, where none is given for what is as heavy as a metal, lies outside 0.20 to 0.47, and if it
         /// is above 0.49.
         poisson_ratio: Option<Given<Number>>, example 0.3, otherwise "from two others";
         /// Bulk modulus K.

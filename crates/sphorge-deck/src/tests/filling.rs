@@ -142,7 +142,7 @@ fn a_lattice_that_does_not_end_at_a_symmetry_plane_is_told_with_spacings_that_do
     // where its circle has 114.9.
     let told = notes(&copper_bar("spacing = \"0.63 mm\", lattice = \"square\""));
     assert_eq!(told.len(), 1, "{told:?}");
-    let expected = "body `bar`: its particles have 3.6 % more mass than its shape, its first layer of particles is 0.4150 mm from the symmetry plane across z instead of half a spacing (0.3150 mm); ";
+    let expected = "line 6: body `bar`: its particles have 3.6 % more mass than its shape, its first layer of particles is 0.4150 mm from the symmetry plane across z instead of half a spacing (0.3150 mm); ";
     assert!(told[0].starts_with(expected), "{told:?}");
     let proposed = proposed(&told[0]);
     assert_eq!(proposed.len(), 2, "{told:?}");
@@ -213,7 +213,7 @@ fn a_lattice_that_weighs_more_or_less_than_its_shape_is_told() {
     };
     let told = notes(&square(""));
     let spacings = "spacings that fit better: 250 mm, 333.33 mm";
-    assert_eq!(told, [format!("body `b`: its particles have 19.0 % less mass than its shape; {spacings}")]);
+    assert_eq!(told, [format!("line 5: body `b`: its particles have 19.0 % less mass than its shape; {spacings}")]);
     let setup = load_text("deck", &square(""), &[]).unwrap();
     let mass = setup.masses[0];
     assert!(mass.particles == 9 && !mass.is_estimate);
@@ -221,7 +221,10 @@ fn a_lattice_that_weighs_more_or_less_than_its_shape_is_told() {
     // Masses are those of the cells: the density of the start is the reference density in the space that is filled.
     assert!(setup.particles.mass.iter().all(|m| (m / (8960.0 * 0.09) - 1.0).abs() < 1e-12));
     let told = notes(&square("spacing = 0.5\nplacement = \"on-faces\"\n"));
-    assert_eq!(told, ["body `b`: its particles have 125.0 % more mass than its shape; `placement = \"cell-centres\"`"]);
+    assert_eq!(
+        told,
+        ["line 5: body `b`: its particles have 125.0 % more mass than its shape; `placement = \"cell-centres\"`"]
+    );
     assert_eq!(notes(&square("spacing = 0.5\n")), Vec::<String>::new());
 }
 

@@ -4,6 +4,7 @@ mod corpus;
 mod diagnostics;
 mod features;
 mod filling;
+mod idle;
 mod laws;
 mod reference;
 mod shapes;

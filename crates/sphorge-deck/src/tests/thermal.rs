@@ -212,9 +212,9 @@ fn temperatures_that_may_be_in_degrees_celsius_are_told() {
     };
     let celsius = told(&deck("20", "\"0\"", "strength = { johnson-cook = { reference-temperature = 25.0 } }"));
     let words = [
-        "`ambient = \"0\"` in line 7 is 0 K, ",
-        "`temperature=20` in line 11 is 20 K, since a number without a unit is in SI: write \"20 degC\" or \"20 K\"",
-        "`reference-temperature = 25.0` in line 15 is 25 K, ",
+        "line 7: `ambient = \"0\"` is 0 K, ",
+        "line 11: `temperature=20` is 20 K, since a number without a unit is in SI: write \"20 degC\" or \"20 K\"",
+        "line 15: `reference-temperature = 25.0` is 25 K, ",
     ];
     assert_eq!(celsius.len(), words.len(), "{celsius:?}");
     assert!(celsius.iter().zip(words).all(|(note, words)| note.starts_with(words)), "{celsius:?}");
