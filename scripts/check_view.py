@@ -539,12 +539,13 @@ def phone(program, folder):
 def growing(program, folder):
     print("a run that grows")
     run = folder / "growing"
-    deck = [program, "run", "iron-plate", "-o", str(run), "--view", "--no-open", "--set", 'particles.spacing="0.6 mm"', "-q"]
-    process = subprocess.Popen(deck, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    # The browser starts before the run, which takes some ten seconds: neither may have ended before the other is there.
+    deck = [program, "run", "iron-plate", "-o", str(run), "--view", "--no-open", "--threads", "1", "--set", 'particles.spacing="0.3 mm"', "-q"]
+    process = None
     try:
-        address = process.stderr.readline().strip()
         with Chromium(1280, 800) as page:
-            page.open(address)
+            process = subprocess.Popen(deck, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            page.open(process.stderr.readline().strip())
             page.wait(SHOWN)
             page.wait("app.panels[0].run.status === 'running'")
             page.wait("/^\\d+ %: /.test(document.title) && /^running at .* of 60 µs, \\d+ %$/.test(document.getElementById('status').textContent)")
@@ -598,8 +599,9 @@ def growing(program, folder):
             page.wait("document.getElementById('message').textContent.includes('has ended')")
             expect(True, "that the program has ended is told")
     finally:
-        process.kill()
-        process.wait()
+        if process:
+            process.kill()
+            process.wait()
 
 
 def single(program, folder):

@@ -1,6 +1,6 @@
 //! When a run saves its state: arguments of the commands that run decks.
 
-use crate::{failure::Failure, signals};
+use crate::{failure::Failure, readable::quantity, signals};
 use clap::Args;
 use miette::{IntoDiagnostic, WrapErr};
 use sphorge::{deck, run::CheckpointPlan};
@@ -10,10 +10,10 @@ use std::time::Duration;
 #[derive(Debug, Args)]
 pub(crate) struct CheckpointArguments {
     /// Real time between checkpoints, in minutes or with a unit, such as "90 s"; a run that is stopped writes one too; 0 for none
-    #[arg(long, value_name = "MINUTES", default_value_t = 10.0, value_parser = parse_minutes, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MINUTES", default_value_t = 10.0, value_parser = parse_minutes, allow_hyphen_values = true)]
     checkpoint_minutes: f64,
     /// Simulated time between additional checkpoints, such as "5 us"; a plain number is in seconds
-    #[arg(long, value_name = "TIME", value_parser = parse_interval, allow_negative_numbers = true)]
+    #[arg(long, value_name = "TIME", value_parser = parse_interval, allow_hyphen_values = true)]
     checkpoint_interval: Option<f64>,
     /// Write a checkpoint at the end of the run, so that `sphorge resume` can continue beyond it
     #[arg(long)]
@@ -41,6 +41,16 @@ fn parse_interval(text: &str) -> Result<f64, String> {
 }
 
 impl CheckpointArguments {
+    /// What is said of checkpoints that no run up to this time has, s.
+    pub(crate) fn note(&self, end: f64) -> Option<String> {
+        let interval = self.checkpoint_interval.filter(|interval| *interval > end)?;
+        Some(format!(
+            "note: `--checkpoint-interval` is {}, and the run ends at {}: no checkpoint is written for it; a plain number is in seconds",
+            quantity(interval, "s"),
+            quantity(end, "s")
+        ))
+    }
+
     /// The plan, with the signal that asks for one at once.
     pub(crate) fn plan(&self) -> Result<CheckpointPlan, Failure> {
         let is_periodic = self.checkpoint_minutes > 0.0;
@@ -61,6 +71,18 @@ impl CheckpointArguments {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_interval_longer_than_the_run_is_told() {
+        let of = |checkpoint_interval| CheckpointArguments {
+            checkpoint_minutes: 10.0,
+            checkpoint_interval,
+            checkpoint_at_end: false,
+        };
+        let told = of(Some(5.0)).note(20e-6).unwrap();
+        assert!(told.contains("`--checkpoint-interval` is 5 s, and the run ends at 20 us"), "{told}");
+        assert_eq!((of(Some(20e-6)).note(20e-6), of(None).note(20e-6)), (None, None));
+    }
 
     #[test]
     fn times_are_written_as_in_decks_and_numbers_alone_keep_their_meaning() {

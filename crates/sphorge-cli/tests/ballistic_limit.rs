@@ -116,9 +116,11 @@ fn a_limit_is_bracketed_and_its_curve_drawn() {
     assert_eq!(found["limit"].as_f64().unwrap(), 0.5 * (stopped + through));
     assert_eq!(found["residual"], "residual");
     let curve = &found["curve"];
-    assert!(curve["p"] == 2.0 && curve["is_exponent_held"] == true && curve["runs"] == 3, "{curve}");
+    assert!(curve["p"] == 2.0 && curve["is_exponent_held"] == true, "{curve}");
     assert!((stopped..=through).contains(&curve["limit"].as_f64().unwrap()), "{curve}");
     let runs = found["runs"].as_array().unwrap();
+    let count = runs.iter().filter(|run| run["outcome"] == "through").count();
+    assert!(count > 2 && curve["runs"] == count, "{curve}");
     for run in runs {
         let [speed, residual, target] =
             ["impact_velocity", "residual_velocity", "target_velocity"].map(|of| run[of].as_f64().unwrap());

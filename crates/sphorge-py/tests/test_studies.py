@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -126,9 +127,10 @@ def test_what_there_is_to_note_of_runs_is_told_with_the_study(deck):
     deck["time.max-steps"] = 2
     found = sp.convergence(deck, ["1 mm", "3 mm", "7 mm"], out="c")
     assert set(found.notes) == {"particles.spacing=3mm", "particles.spacing=7mm"} and "mass than its shape" in found.notes["particles.spacing=7mm"][0]
-    assert repr(found).count("mass than its shape") == 2 and "note: particles.spacing=7mm: body `plate`" in repr(found)
+    note = r"note: particles\.spacing=7mm: (line \d+: )?body `plate`"
+    assert repr(found).count("mass than its shape") == 2 and re.search(note, repr(found)), repr(found)
     told = subprocess.run([sys.executable, "-m", "sphorge", "convergence", "c/particles.spacing=1mm.toml", "--spacing", "1 mm,7 mm", "-o", "d"], capture_output=True, text=True)
-    assert told.returncode == 0 and "note: particles.spacing=7mm: body `plate`" in told.stderr, told.stderr
+    assert told.returncode == 0 and re.search(note, told.stderr), told.stderr
 
 
 def test_too_many_runs_are_counted_and_not_made_ready(here, deck):
@@ -234,7 +236,8 @@ def test_a_ballistic_limit_is_bracketed(here):
     np.testing.assert_array_equal(found.table["residual_velocity"], -found.table["residual"])
     assert found.table["outcome"] == ["through" if speed >= high else "stopped" for speed in speeds]
     curve = found.curve
-    assert low <= curve.limit <= high and curve.p == 2.0 and curve.runs == 3 and curve.residual(low) == 0.0
+    assert low <= curve.limit <= high and curve.p == 2.0 and curve.residual(low) == 0.0
+    assert curve.runs == found.table["outcome"].count("through") > 2
     assert curve.residual(400.0) == pytest.approx(curve.a * (400.0**2 - curve.limit**2) ** 0.5)
     assert found.plot().data.startswith(b"\x89PNG") and b"impact velocity" in found.plot("svg").data
     assert "through" in repr(found) and (here / "b/ballistic-limit.csv").exists()

@@ -121,7 +121,7 @@ fn every_warning_has_a_deck_that_raises_it_and_a_remedy_that_cures_it() {
 }
 
 /// A change of `sound.toml` that no engineer means, and a part of the note on it.
-const SLIPS: [(&str, &str, &str); 22] = [
+const SLIPS: [(&str, &str, &str); 24] = [
     ("material.steel.density", "7.85e-9", "in SI"),
     ("material.steel.density", "7.85", "7.85 g/cm^3"),
     ("material.steel.young-modulus", "210 MPa", "210 GPa"),
@@ -141,6 +141,8 @@ const SLIPS: [(&str, &str, &str); 22] = [
     ("body.bar.temperature", "20000 K", "far above the boiling point"),
     ("body.bar.temperature", "20", "20 degC"),
     ("body.bar.spacing", "1.5 mm", "mass than its shape"),
+    ("wall.anvil.velocity", "[0, -100]", "never meet"),
+    ("output.history-interval", "1 ms", "the only rows of the history"),
     ("wall.anvil.contact.penalty.friction", "10", "the friction coefficient of wall `anvil`"),
     ("section.middle.point", "[0, \"50 mm\"]", "cuts no body"),
     ("gravity", "[0, \"9.81 m/s^2\"]", "gravity points away from wall `anvil`"),

@@ -43,7 +43,7 @@ pub(crate) struct BenchArguments {
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     threads: Option<usize>,
     /// Duration of each measurement in seconds
-    #[arg(long, value_name = "S", default_value = "4", value_parser = parse_seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value = "4", value_parser = parse_seconds, allow_hyphen_values = true)]
     seconds: f64,
 }
 

@@ -34,10 +34,10 @@ pub(crate) struct FragmentsArguments {
     #[arg(long = "body", value_name = "BODY")]
     bodies: Vec<String>,
     /// Frame: `first`, `last`, a number, a time such as "12 us", or `all`
-    #[arg(long, value_name = "FRAME", default_value = "last")]
+    #[arg(long, value_name = "FRAME", default_value = "last", allow_hyphen_values = true)]
     frame: String,
     /// Particles hang together up to this distance, in spacings of their body
-    #[arg(long, value_name = "SPACINGS", default_value_t = FragmentOptions::default().link)]
+    #[arg(long, value_name = "SPACINGS", allow_hyphen_values = true, default_value_t = FragmentOptions::default().link)]
     link: f64,
     /// Particles that a fragment has at least
     #[arg(long, value_name = "N", default_value_t = FragmentOptions::default().least)]

@@ -54,16 +54,16 @@ pub(crate) struct PlotArguments {
     #[arg(long = "field", value_name = "FIELD")]
     fields: Vec<String>,
     /// Frames to draw side by side: `first`, `last`, numbers, or times such as "12 us"; `all` draws each as a separate picture [default: last]
-    #[arg(long, value_name = "FRAMES", value_delimiter = ',', requires = "fields")]
+    #[arg(long, value_name = "FRAMES", value_delimiter = ',', allow_hyphen_values = true, requires = "fields")]
     frames: Vec<FrameWord>,
     /// Draw the frames nearest to these times, side by side
-    #[arg(long, value_name = "TIME", value_delimiter = ',', value_parser = parse_time, requires = "fields", conflicts_with = "frames")]
+    #[arg(long, value_name = "TIME", value_delimiter = ',', value_parser = parse_time, allow_hyphen_values = true, requires = "fields", conflicts_with = "frames")]
     time: Vec<FrameChoice>,
     /// Draw the frames (all, unless some are named) as an animated PNG; `ffmpeg -i name.png name.mp4` makes a film of it
     #[arg(long, requires = "fields", conflicts_with = "format")]
     animate: bool,
     /// Length of the animation
-    #[arg(long, value_name = "TIME", value_parser = parse_duration, default_value = "6 s", requires = "animate")]
+    #[arg(long, value_name = "TIME", value_parser = parse_duration, allow_hyphen_values = true, default_value = "6 s", requires = "animate")]
     duration: Duration,
     /// Direction of view: xy, xz, yz, corner, or any direction towards the eye such as "1,-2,1"; of the last two, z points up, unless gravity or a floor across y says otherwise, or an axis is named: "corner up y", "1,0.5,2 up y" [default: the plane of a plane problem, otherwise corner]
     #[arg(long, value_name = "VIEW", allow_hyphen_values = true, requires = "fields")]
@@ -111,10 +111,10 @@ pub(crate) struct PlotArguments {
     #[arg(long, value_name = "FORMAT")]
     format: Option<FormatArgument>,
     /// Pixels per inch, 50 to 1200; text keeps its printed size [default: 100; 300 for particles in SVG]
-    #[arg(long, value_name = "DPI", value_parser = clap::value_parser!(u32).range(50..=1200))]
+    #[arg(long, value_name = "DPI", value_parser = clap::value_parser!(u32).range(50..=1200), allow_hyphen_values = true)]
     dpi: Option<u32>,
     /// Width of the picture, such as "85 mm" or "390 px" [default: automatic]
-    #[arg(long, value_name = "WIDTH")]
+    #[arg(long, value_name = "WIDTH", allow_hyphen_values = true)]
     width: Option<String>,
 }
 
@@ -147,7 +147,10 @@ impl std::str::FromStr for FrameWord {
 struct Duration(f64);
 
 fn parse_time(text: &str) -> Result<FrameChoice, String> {
-    read_quantities::<1>(text, "s").map(|[time]| FrameChoice::Time(time))
+    match read_quantities::<1>(text, "s")? {
+        [time] if time >= 0.0 => Ok(FrameChoice::Time(time)),
+        _ => Err("times count from zero".to_owned()),
+    }
 }
 
 fn parse_duration(text: &str) -> Result<Duration, String> {

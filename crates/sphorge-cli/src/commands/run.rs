@@ -134,6 +134,9 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
     };
     if !arguments.told.quiet {
         setup.all_notes().iter().for_each(|note| terminal::note(&format!("note: {note}")));
+        if let Some(note) = arguments.checkpoints.note(setup.model.time.end) {
+            terminal::note(&note);
+        }
         if let Some(note) = arguments.threads.and_then(too_many_threads) {
             terminal::note(&note);
         }

@@ -43,7 +43,7 @@ pub(crate) struct ViewArguments {
     #[arg(long = "field", value_name = "FIELD")]
     fields: Vec<String>,
     /// Frame to show first: `first`, `last`, a number, or a time such as "12 us" [default: last]
-    #[arg(long, value_name = "FRAME")]
+    #[arg(long, value_name = "FRAME", allow_hyphen_values = true)]
     frame: Option<FrameChoice>,
     /// Direction of view, as of `plot` [default: the plane of a plane problem, otherwise corner]
     #[arg(long, value_name = "VIEW", allow_hyphen_values = true)]

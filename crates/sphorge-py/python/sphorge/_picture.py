@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import shutil
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -16,6 +17,15 @@ from ._words import there_is_no
 
 #: Fields of which a picture shows the first that a frame has, when none is named.
 FIELDS = ("plastic_strain", "von_mises_stress", "pressure", "temperature", "velocity")
+
+
+def usual_fields(run: Path) -> tuple[str, ...]:
+    """The same for the run in a folder: where bodies do not move only the temperature is not zero."""
+    try:
+        deck = (run / "deck.toml").read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError):
+        return FIELDS
+    return ("temperature",) if re.search(r"(?m)^[^#\n]*\bmechanics\s*=\s*false", deck) else FIELDS
 
 
 #: Options that say how something is drawn, by the option that says what.

@@ -107,10 +107,10 @@ class Frame(Mapping[str, "Array"]):
 
     def plot(self, field: str | None = None, **options: Any) -> Any:
         """A `Picture` of a field: options are those of ``sphorge plot``, such as ``section=True`` or ``view="xz"``."""
-        from ._picture import FIELDS
+        from ._picture import usual_fields
 
-        name = field or next((name for name in FIELDS if name in self._fields), None) or next(iter(self._fields))
         run, number = self._of_run("that can be drawn")
+        name = field or next((name for name in usual_fields(run) if name in self._fields), None) or next(iter(self._fields))
         return _draw([run], {"field": name, "frames": number, **options})
 
     def fragments(self, bodies: str | Sequence[str] | None = None, link: float = 1.5, least: int = 10) -> Fragments:

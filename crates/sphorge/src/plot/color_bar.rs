@@ -76,13 +76,16 @@ impl Colors {
             None if map == ColorMap::Diverging => (-high.abs().max(low.abs()), high.abs().max(low.abs())),
             None => (low, high),
         };
-        let names = scene.bodies.iter().enumerate().map(|(k, name)| (body_color(k), name.clone()));
+        let is_shown = |name: &String| picture.bodies.is_empty() || picture.bodies.contains(name);
+        let names = scene.bodies.iter().enumerate().filter(|(_, name)| is_shown(name));
+        let names: Vec<_> = names.map(|(k, name)| (body_color(k), name.clone())).collect();
         let key = match scene.flag {
             _ if !scene.bodies.is_empty() => {
-                let mut names: Vec<_> = names.take(MOST_NAMES + 1).collect();
-                if scene.bodies.len() > MOST_NAMES + 1 {
+                let mut names = names;
+                if names.len() > MOST_NAMES + 1 {
+                    let others = names.len() - MOST_NAMES;
                     names.truncate(MOST_NAMES);
-                    names.push(([255; 3], format!("{} others", scene.bodies.len() - MOST_NAMES)));
+                    names.push(([255; 3], format!("{others} others")));
                 }
                 Some(names)
             }

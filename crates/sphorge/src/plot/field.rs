@@ -5,6 +5,7 @@ use super::{
     chart::{Chart, Curve, page},
     color_bar::Colors,
     field_page::{Layout, draw},
+    mark::Mark,
     page::Page,
     save::save_animation,
     scene::{Extent, Panel, Scene, Source, meets},
@@ -76,11 +77,30 @@ pub(super) fn particles(scene: &Scene, picture: &FieldPicture, title: &str) -> R
     draw(scene, &colors, &Layout::new(scene, picture, title, &colors)?)
 }
 
+/// Distance between the cells of neighbours on a line, over their spacing, from which on material has come apart.
+const APART: f64 = 0.75;
+
+/// Places and values along a line, with a gap where another body begins or material has come apart.
+fn joined(marks: &[Mark]) -> Vec<(f64, f64)> {
+    let mut marks: Vec<&Mark> = marks.iter().collect();
+    marks.sort_by(|a, b| a.right.total_cmp(&b.right));
+    let mut points = Vec::with_capacity(marks.len());
+    for (k, mark) in marks.iter().enumerate() {
+        if let Some(before) = k.checked_sub(1).map(|k| marks[k]) {
+            let open = (mark.right + mark.reach(0).0) - (before.right + before.reach(0).1);
+            if before.body != mark.body || open > APART * before.spacing.max(mark.spacing) {
+                points.push((0.5 * (before.right + mark.right), f64::NAN));
+            }
+        }
+        points.push((mark.right, mark.value));
+    }
+    points
+}
+
 /// A problem of one dimension is a curve over x for each frame.
 pub(super) fn draw_line(scene: &Scene, picture: &FieldPicture, title: &str) -> Result<Page, PlotError> {
     let curve = |panel: &Panel| {
-        let mut points: Vec<_> = panel.marks.iter().map(|mark| (mark.right, mark.value)).collect();
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut points = joined(&panel.marks);
         if let Some([(low, high), _]) = picture.window {
             points.retain(|(x, _)| (low..=high).contains(x));
         }
@@ -160,5 +180,30 @@ impl Film {
             None => Layout::new(&scene, &self.picture, &self.title, &colors)?,
         };
         draw(&scene, &colors, self.layout.insert(layout))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_ends_where_another_body_begins_and_where_material_has_come_apart() {
+        let mark = |(right, body): (f64, u16)| Mark {
+            right,
+            up: 0.0,
+            towards: 0.0,
+            spacing: 1.0,
+            value: 10.0 * right,
+            light: 1.0,
+            body,
+            cell: None,
+        };
+        // Stretched by 1.7 between the first two, apart between the next, and another body that touches.
+        let marks = [(5.3, 1), (0.0, 0), (1.7, 0), (4.3, 0), (6.3, 1)].map(mark);
+        let points = joined(&marks);
+        let values: Vec<Option<f64>> = points.iter().map(|(_, y)| y.is_finite().then_some(*y)).collect();
+        assert_eq!(values, [Some(0.0), Some(17.0), None, Some(43.0), None, Some(53.0), Some(63.0)]);
+        assert_eq!((points[2].0, points[4].0), (3.0, 4.8));
     }
 }

@@ -242,6 +242,10 @@ fn caption(scene: &Scene, panel: &Panel, width: f64) -> Vec<String> {
     let long = match scene.flag {
         // Three digits say all there is.
         Some([_, one]) => format!("{heading},  {} % {one}", four_digits((1000.0 * panel.mean).round() / 10.0)),
+        // A section, a body or a condition leaves some out.
+        None if panel.count < panel.of => {
+            format!("{heading},  {} of {} particles", grouped(panel.count), grouped(panel.of))
+        }
         None => format!("{heading},  {} particles", grouped(panel.count)),
     };
     // What is in one line where it can be.

@@ -62,7 +62,7 @@ pub(crate) use history::unknown_column;
 pub(crate) use light::{DARKEST, LIGHT};
 pub(crate) use mirror::mirrored;
 pub(crate) use scene::{FLAGS, Missed, cuts_something, field_label, joined_cells, missed, ranges, split, values};
-pub(crate) use standard::DEFAULT_FIELDS;
+pub(crate) use standard::default_fields;
 pub(crate) use title::title_with;
 pub(crate) use view::upright;
 

@@ -35,6 +35,8 @@ pub(super) struct Panel {
     pub(super) mean: f64,
     /// Number of particles of the frame that are shown, images in planes of symmetry left out.
     pub(super) count: usize,
+    /// Number of particles of the frame, shown or not.
+    pub(super) of: usize,
     pub(super) marks: Vec<Mark>,
     /// Bodies in space, where the cells of particles are known.
     pub(super) solid: Solid,
@@ -236,8 +238,19 @@ impl Source {
         }
         let time = frame.header.time;
         let cut = cut.map(|cut| HalfSpace { normal: projection.apply(cut.normal), ..cut });
-        let panel =
-            Panel { name: self.name.clone(), time, mean, count, marks, solid, cut, missed, walls: placed, spans };
+        let panel = Panel {
+            name: self.name.clone(),
+            time,
+            mean,
+            count,
+            of: positions.len(),
+            marks,
+            solid,
+            cut,
+            missed,
+            walls: placed,
+            spans,
+        };
         let bodies = frame.bodies.iter().map(|body| body.name.clone());
         Ok(Shown { panel, look, bodies: if picture.field == "body" { bodies.collect() } else { Vec::new() } })
     }

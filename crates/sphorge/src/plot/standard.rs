@@ -1,12 +1,18 @@
 //! The standard pictures of a run.
 
 use super::{FieldPicture, FrameChoice, HistoryPicture, Paper, PictureFormat, PlotError, plot_field, plot_history};
+use crate::deck::load_model;
+use crate::model::Model;
 use crate::output::{FrameFile, RunDirectory, read_series};
 use std::path::{Path, PathBuf};
 
 /// Fields pictured when none is named, where a run wrote them.
-pub(crate) const DEFAULT_FIELDS: [&str; 5] =
-    ["plastic_strain", "von_mises_stress", "pressure", "temperature", "velocity"];
+const DEFAULT_FIELDS: [&str; 5] = ["plastic_strain", "von_mises_stress", "pressure", "temperature", "velocity"];
+
+/// Those of a run of this deck, if it can be read: where bodies do not move the temperature alone is not zero.
+pub(crate) fn default_fields(model: Option<&Model>) -> &'static [&'static str] {
+    if model.is_some_and(|model| !model.thermal.mechanics) { &["temperature"] } else { &DEFAULT_FIELDS }
+}
 
 /// Draws the standard pictures of a run in a folder: the last frame by body, where there are several, and by several fields, plastic strain before and
 /// after, and the history. Returns their files.
@@ -25,14 +31,16 @@ pub fn plot_run(
     let Some((_, last)) = series.last() else { return Ok(files) };
     let frame = FrameFile::open(last)?;
     let present = |name: &&str| frame.arrays().iter().any(|array| array.name == *name);
-    // Which body is which.
-    let bodies = (frame.bodies.len() > 1 && present(&"body")).then_some("body");
-    for field in bodies.into_iter().chain(DEFAULT_FIELDS.into_iter().filter(present)) {
+    // Which body is which: a curve of their numbers over x does not say it.
+    let bodies = (frame.bodies.len() > 1 && frame.header.dimensions > 1 && present(&"body")).then_some("body");
+    let model = load_model(&run.deck()).ok();
+    let usual = default_fields(model.as_ref());
+    for field in bodies.into_iter().chain(usual.iter().copied().filter(present)) {
         let file = folder.join(format!("{field}-last.{ending}"));
         plot_field(run, &FieldPicture { paper, ..FieldPicture::new(field) }, &file)?;
         files.push(file);
     }
-    if let Some(field) = DEFAULT_FIELDS.iter().find(|name| present(name)).filter(|_| series.len() > 1) {
+    if let Some(field) = usual.iter().find(|name| present(name)).filter(|_| series.len() > 1) {
         let file = folder.join(format!("{field}-before-after.{ending}"));
         let frames = vec![FrameChoice::First, FrameChoice::Last];
         plot_field(run, &FieldPicture { frames, paper, ..FieldPicture::new(*field) }, &file)?;

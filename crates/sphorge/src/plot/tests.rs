@@ -639,6 +639,11 @@ fn bodies_are_named_in_a_key_of_their_colours() {
     });
     let colors: Vec<_> = fills.collect();
     assert!(colors.contains(&color_bar::SINGLE_COLOR) && colors.len() == 2 && colors[0] != colors[1], "{colors:?}");
+    // Those that are left out have no name either.
+    let alone = FieldPicture { bodies: vec!["upper".to_owned()], ..picture.clone() };
+    let page = field::particles(&seen(&run, &alone), &alone, "t").unwrap();
+    let texts: Vec<_> = page.texts().map(|text| text.text.as_str()).collect();
+    assert!(texts.contains(&"upper") && !texts.contains(&"lower"), "{texts:?}");
     // Half of the block has one, half the other.
     let to = folder.path().join("p.png");
     plot_field(&run, &picture, &to).unwrap();
@@ -717,6 +722,48 @@ fn a_section_leaves_the_side_of_the_eye_out_and_cuts_cells() {
         let animated = animate_field(&run, &picture, 1.0, &folder.path().join("p.png")).unwrap_err();
         assert_eq!(animated.to_string(), error.to_string());
     }
+}
+
+#[test]
+fn a_picture_of_some_of_the_particles_says_of_how_many() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run(folder.path(), 3);
+    let told = |picture: FieldPicture| {
+        let page = field::particles(&seen(&run, &picture), &picture, "t").unwrap();
+        page.texts().map(|text| text.text.replace('\u{a0}', " ")).find(|text| text.contains("particles")).unwrap()
+    };
+    let all = FieldPicture::new("pressure");
+    let half = Section::Across { normal: [1.0, 0.0, 0.0], point: Some([9.5e-3, 0.0, 0.0]) };
+    let view = Some(View::From { direction: [1.0, 0.2, 0.1], up: Some(1) });
+    assert!(told(all.clone()).ends_with(",  200 particles"), "{}", told(all.clone()));
+    let cut = told(FieldPicture { section: Some(half), view, ..all });
+    assert!(cut.ends_with(",  100 of 200 particles"), "{cut}");
+}
+
+#[test]
+fn standard_pictures_of_heat_alone_are_of_the_temperature() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run(folder.path(), 2);
+    let mut particles = Particles::new(4);
+    (0..4).for_each(|i| particles.position[i] = [1e-3 * i as f64, 0.0, 0.0]);
+    let header = FrameHeader { time: 0.0, step: 0, dimensions: 2, body_spacing: vec![1e-3] };
+    let fields = ["plastic_strain", "pressure", "temperature", "velocity"].map(str::to_owned);
+    for k in 0..2 {
+        write_frame_file(&run.path().join(RunDirectory::frame_name(k, false)), &header, &particles, &fields).unwrap();
+    }
+    fs::write(run.history(), "time\n0\n").unwrap();
+    let drawn = |thermal: &str| {
+        let deck = format!(
+            "dimensions = \"plane-strain\"\nparticles = {{ spacing = \"1 mm\" }}\ntime = {{ end = \"1 us\" }}\n{thermal}\n\
+             [material.ofhc-copper]\nconductivity = 400\n[[body]]\nname = \"b\"\nmaterial = \"ofhc-copper\"\n\
+             shape = {{ box = {{ min = [0, 0], max = [\"4 mm\", \"1 mm\"] }} }}\n"
+        );
+        fs::write(run.deck(), deck).unwrap();
+        let files = plot_run(&run, COARSE, PictureFormat::Png, &folder.path().join("plots")).unwrap();
+        files.iter().map(|file| file.file_stem().unwrap().to_str().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(drawn("thermal = { mechanics = false }"), ["temperature-last", "temperature-before-after"]);
+    assert_eq!(drawn("")[0], "plastic_strain-last");
 }
 
 /// Two bodies of six by six by three particles a millimetre apart on top of each other, the upper one pushed a quarter of a millimetre into the lower one.

@@ -129,8 +129,9 @@ pub(super) fn conclude(
                 body: None,
                 position: None,
             });
-            // A frame under way comes before the summary. The disk may still take this one small file; the trouble to report is the first one.
-            let _ = recorder.settle();
+            // Rows and frames that were complete come before the summary: with it the list of frames is taken for whole, and it may be behind by
+            // some of them. The disk may still take these files; the trouble to report is the first one.
+            let _ = recorder.flush();
             let memory = observer.peak_memory_bytes();
             let _ = recorder.summary(simulation, EndReason::Failure, Some(failure), pace.seconds(), memory);
             Err(RunError::Output { source })

@@ -52,7 +52,7 @@ pub enum RunError {
         /// What is also in `summary.json`.
         summary: Box<Summary>,
     },
-    /// The run was going well but its files could not be written any more.
+    /// The run was going well but its files could not be written any more. Frames that were complete are listed, as far as the list could be written.
     #[error("the run stopped because its output could not be written")]
     #[diagnostic(
         code(sphorge::run::output),

@@ -205,12 +205,8 @@ impl Recorder {
     }
 
     /// Brings the files to what has been loaded: rows, list of frames, no frames beyond and nothing of the end there was. Returns the names of files
-    /// that were not what had been written.
+    /// that were not what had been written. No frame is under way then.
     pub(super) fn rewrite(&mut self) -> Result<Vec<&'static str>, OutputError> {
-        if let Some(under_way) = self.under_way.take() {
-            let (name, _) = under_way.wait()?;
-            self.is_written(&name)?;
-        }
         self.directory.clear_end()?;
         self.directory.remove_frames(self.frames.len())?;
         self.disk.forget_missing();
@@ -469,16 +465,16 @@ impl Recorder {
         self.frames.len()
     }
 
-    /// Brings all rows and frames onto the disk.
+    /// Brings all rows and frames onto the disk. Where some of it is lost or cannot be written, the rest is.
     pub(super) fn flush(&mut self) -> Result<(), OutputError> {
         let start = Instant::now();
-        self.settle()?;
-        self.history.flush()?;
-        self.is_written(HISTORY)?;
-        if !self.frames.is_empty() {
-            self.series.flush(&self.directory, &self.frames)?;
-            self.is_written(SERIES)?;
-        }
+        let settled = self.settle();
+        let rows = self.history.flush().and_then(|()| self.is_written(HISTORY));
+        let list = match self.frames.is_empty() {
+            true => Ok(()),
+            false => self.series.flush(&self.directory, &self.frames).and_then(|()| self.is_written(SERIES)),
+        };
+        settled.and(rows).and(list)?;
         self.directory.explain(self.disk.sync())?;
         self.seconds += start.elapsed().as_secs_f64();
         Ok(())

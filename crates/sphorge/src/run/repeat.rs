@@ -36,6 +36,8 @@ pub(crate) trait Steps {
     fn save(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError>;
     /// Waits for what is under way.
     fn settle(&mut self) -> Result<(), Self::Trouble>;
+    /// Waits for what is being written, too.
+    fn settle_output(&mut self) -> Result<(), Self::Trouble>;
     /// Goes back to a state of its own.
     fn go_back(&mut self, kept: &MemoryArchive) -> Result<(), ArchiveError>;
     /// Does away with what was written since the state it has gone back to.
@@ -71,6 +73,9 @@ impl Steps for Watched<'_> {
     fn settle(&mut self) -> Result<(), Trouble> {
         self.state.settle_row(self.observer)
     }
+    fn settle_output(&mut self) -> Result<(), Trouble> {
+        Ok(self.state.recorder.settle()?)
+    }
     fn go_back(&mut self, kept: &MemoryArchive) -> Result<(), ArchiveError> {
         self.state.go_back(kept)
     }
@@ -100,6 +105,9 @@ impl Steps for Simulation {
         self.persist(archive)
     }
     fn settle(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
+    fn settle_output(&mut self) -> Result<(), RunFailure> {
         Ok(())
     }
     fn go_back(&mut self, kept: &MemoryArchive) -> Result<(), ArchiveError> {
@@ -213,6 +221,8 @@ impl Repeater {
                 failure.message
             ));
         }
+        // A frame that is lost ends the run, with those before it, which the state that was kept may not know yet; one that is not is known by its sum.
+        stepped.settle_output()?;
         if let Err(error) = stepped.go_back(&kept.state) {
             let message = format!("{}; the state before it is lost: {error}", failure.message);
             return Err(RunFailure { message, ..failure }.into());

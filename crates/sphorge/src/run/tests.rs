@@ -408,6 +408,45 @@ fn an_engine_that_is_lost_keeps_the_frames_that_were_complete() {
 }
 
 #[test]
+fn frames_that_are_not_listed_yet_are_listed_when_another_file_cannot_be_written() {
+    /// Puts a folder in the place of a file, or of the next frame, once there is a frame that the list does not name yet.
+    struct Obstructor(std::path::PathBuf, Option<&'static str>);
+    impl Observer for Obstructor {
+        fn frame_written(&mut self, index: usize, _time: f64) {
+            let list = fs::read_to_string(self.0.join("fields.pvd")).unwrap();
+            if list.matches("DataSet").count() <= index {
+                let next = RunDirectory::frame_name(index + 1, false);
+                let place = self.0.join(self.1.unwrap_or(&next));
+                let _ = fs::remove_file(&place);
+                let _ = fs::create_dir(&place);
+            }
+        }
+    }
+    // So many of both that the list is not replaced at each of them.
+    let mut model = model();
+    model.output.frame_interval = 1e-3;
+    model.output.history_interval = 1e-3;
+    for obstructed in [None, Some("history.csv")] {
+        let folder = tempfile::tempdir().unwrap();
+        let options = RunOptions { directory: folder.path().join("run"), ..RunOptions::default() };
+        let mut observer = Obstructor(options.directory.clone(), obstructed);
+        let (kind, stop) = (ClockworkKind(None), AtomicBool::new(false));
+        let error = execute(setup(model.clone()), &kind, &options, &stop, &mut observer).unwrap_err();
+        assert!(matches!(error, RunError::Output { .. }), "{error}");
+        let directory = RunDirectory::open(&options.directory).unwrap();
+        let summary = Summary::read(&directory).unwrap();
+        assert_eq!(summary.status, Status::Failed);
+        let found = fs::read_dir(options.directory.join("fields")).unwrap();
+        let frames = found.filter(|entry| entry.as_ref().unwrap().file_type().unwrap().is_file()).count();
+        assert_eq!(read_series(&directory).unwrap().len(), frames);
+        if obstructed.is_none() {
+            // The row of the last step was there before its frame.
+            assert_eq!((frames as u64, times(&directory).1.len() as u64), (summary.steps, summary.steps + 1));
+        }
+    }
+}
+
+#[test]
 fn a_frame_that_is_lost_while_the_state_is_saved_ends_the_run() {
     // Saved after each step, the frame of 0.5 s under way.
     let folder = tempfile::tempdir().unwrap();

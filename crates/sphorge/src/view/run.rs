@@ -14,7 +14,7 @@ use crate::{
     output::{FrameFile, HistoryTable, OutputError, RunDirectory, SERIES, Summary, read_series},
     particles::find_field,
     plot::{
-        DEFAULT_FIELDS, Derived, FrameChoice, Mirror, Missed, PlotError, Section, View, body_number, field_label,
+        Derived, FrameChoice, Mirror, Missed, PlotError, Section, View, body_number, default_fields, field_label,
         joined_cells, mirrored, missed, no_frame, split, upright, values,
     },
 };
@@ -125,6 +125,11 @@ impl ViewedRun {
             *known = Known { identity, model, ..Known::default() };
         }
         known.clone()
+    }
+
+    /// The deck of the run, if it can be read.
+    pub(super) fn model(&self) -> Result<Option<Arc<Model>>, ViewError> {
+        Ok(self.known(&self.directory()?).model)
     }
 
     /// Keeps the names of checks that have warned in a run.
@@ -281,8 +286,10 @@ impl ViewedRun {
             }
         });
         let mut fields: Vec<FieldDescription> = own.chain(derived).collect();
-        let rank = |field: &FieldDescription| DEFAULT_FIELDS.iter().position(|name| *name == field.name);
-        fields.sort_by_key(|field| rank(field).unwrap_or(DEFAULT_FIELDS.len()));
+        let model = self.model().ok().flatten();
+        let usual = default_fields(model.as_deref());
+        let rank = |field: &FieldDescription| usual.iter().position(|name| *name == field.name);
+        fields.sort_by_key(|field| rank(field).unwrap_or(usual.len()));
         fields
     }
 

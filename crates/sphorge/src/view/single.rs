@@ -14,7 +14,7 @@ use super::{
 use crate::{
     output::{Durability, OutputError, write_file},
     particles::DEFORMATION_GRADIENT,
-    plot::{DEFAULT_FIELDS, Mirror},
+    plot::{Mirror, default_fields},
 };
 use base64::{Engine, engine::general_purpose::STANDARD};
 use serde::Serialize;
@@ -176,7 +176,10 @@ impl<'a> Chosen<'a> {
         let known = run.fields(&frame);
         let has = |name: &str| known.iter().any(|field| field.name == name);
         let fields: Vec<String> = match &settings.fields[..] {
-            [] => DEFAULT_FIELDS.iter().filter(|name| has(name)).map(|name| (*name).to_owned()).collect(),
+            [] => {
+                let usual = default_fields(run.model()?.as_deref());
+                usual.iter().filter(|name| has(name)).map(|name| (*name).to_owned()).collect()
+            }
             named => named.to_vec(),
         };
         let fields_left_out = known.iter().filter(|field| field.name != BODY && !fields.contains(&field.name)).count();

@@ -28,6 +28,8 @@ pub(super) struct Rows {
     lost_from: Option<f64>,
     /// Sums are waited for as on a processor.
     are_waited_for: bool,
+    /// Where frames are copied out while it goes on, too: from when on they are lost.
+    copies_lost_from: Option<f64>,
     /// When steps that fail go well once they are smaller, or it is later than this.
     fails_until: Option<f64>,
 }
@@ -102,7 +104,7 @@ impl EngineKind for GoingOn {
             time: 0.0,
             steps: 0,
             fail_at,
-            copies_lost_from: None,
+            copies_lost_from: self.1.copies_lost_from,
             rows,
             dt: 0.0,
         }))
@@ -184,7 +186,8 @@ fn a_state_is_saved_with_all_rows() {
                 Event::Step => {}
             }
         }
-        // Some come right after a row.
+    };
+    let some_right_after_a_row = |events: &[Event]| {
         let right_after = |of: &[Event]| of == [Event::Ask, Event::Wait, Event::Save];
         assert!(events.windows(3).any(right_after), "{events:?}");
     };
@@ -193,7 +196,8 @@ fn a_state_is_saved_with_all_rows() {
     let (events, ended) = compare(&model(), None, plan);
     ended.unwrap();
     saved_with_all(&events);
-    // States to go back to where a step fails, of which there are some right after rows: those take longer than saving.
+    some_right_after_a_row(&events);
+    // States to go back to where a step fails, at any times: how long saving takes decides.
     let largest = StepChange { density: 1.0, stretch: 1.0, energy: 1.0, jump: 1.0 };
     let mut controlled = model();
     controlled.time.step_control = Some(StepControl { largest, repeats: 3 });
@@ -201,6 +205,15 @@ fn a_state_is_saved_with_all_rows() {
     let (events, ended) = compare(&controlled, None, CheckpointPlan::default());
     ended.unwrap();
     saved_with_all(&events);
+    // One is kept before a step that has failed comes again; this one is behind a row.
+    let row = (0.5 / DT).ceil() * DT;
+    controlled.output.frame_interval = 2.0;
+    controlled.output.history_interval = 0.1;
+    let rows = Rows { fails_until: Some(row + 2.5 * DT), ..Rows::default() };
+    let (_, ended) = history(&GoingOn(Some(row - 0.5 * DT), rows.clone()), controlled, CheckpointPlan::default());
+    assert!(ended.unwrap().repeated_steps > 0);
+    saved_with_all(&rows.events());
+    some_right_after_a_row(&rows.events());
 }
 
 #[test]
@@ -227,4 +240,22 @@ fn an_engine_that_is_lost_keeps_the_rows_that_were_there() {
     assert!(ended.unwrap_err().to_string().contains("the sums are lost"));
     // Of 0, 0.1, ... 0.4 s.
     assert_eq!(text.lines().count(), 6, "{text}");
+}
+
+#[test]
+fn a_frame_that_is_lost_when_a_run_goes_back_takes_none_before_it_along() {
+    let folder = tempfile::tempdir().unwrap();
+    let largest = StepChange { density: 1.0, stretch: 1.0, energy: 1.0, jump: 1.0 };
+    let mut model = model();
+    model.time.step_control = Some(StepControl { largest, repeats: 3 });
+    // The frame of 0.5 s is under way when the second step behind it fails.
+    let rows = Rows { copies_lost_from: Some(0.5), fails_until: Some(0.52), ..Rows::default() };
+    let options = RunOptions { directory: folder.path().join("run"), threads: Some(2), ..RunOptions::default() };
+    let kind = GoingOn(Some(0.5 + 0.5 * DT), rows);
+    let ended = execute(setup(model), &kind, &options, &AtomicBool::new(false), &mut Silent);
+    let RunError::Output { source } = ended.unwrap_err() else { panic!("a frame that is not there") };
+    assert!(source.chain().contains("lost"), "{}", source.chain());
+    let frames = read_series(&RunDirectory::open(&options.directory).unwrap()).unwrap();
+    assert_eq!(frames.iter().map(|(time, _)| *time).collect::<Vec<_>>(), [0.0, 0.25]);
+    assert!(frames.iter().all(|(_, file)| FrameFile::is_whole(file, false)));
 }

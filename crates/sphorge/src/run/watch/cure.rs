@@ -152,7 +152,6 @@ pub(super) fn cure(kind: WarningKind, model: &Model, body: Option<usize>) -> Str
                 Some(_) => {}
             }
             if model.has_facets() {
-                ways.push("shift one of them along their face by a tenth of a spacing where their lattices are in line".to_owned());
                 ways.push("let them meet by `contact = { penalty = { surfaces = \"overlap\" } }`".to_owned());
             }
             ways.push("use `method = \"updated-lagrangian\"`".to_owned());
