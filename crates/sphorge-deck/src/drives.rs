@@ -302,7 +302,7 @@ fn never_yields(model: &Model, particles: &Particles, strains: &[(usize, f64)]) 
 
 #[cfg(test)]
 mod tests {
-    use crate::load_text;
+    use crate::tests::notes::{notes_on, one_note_says};
 
     /// A strip below a punch that touches it, both at a symmetry plane across x.
     const BENT: &str = "dimensions = \"plane-strain\"\ncontact = \"penalty\"\nparticles = { spacing = \"1 mm\" }\ntime = { end = \"1 ms\" }\n\
@@ -319,31 +319,21 @@ mod tests {
                           [[motion]]\nregion = \"right\"\nvelocity = [\"3 m/s\", 0]\n\
                           [[measure]]\nname = \"strain\"\nmaximum = { body = \"bar\", field = \"plastic_strain\" }\n";
 
-    fn notes(deck: &str, replaced: &[(&str, &str)]) -> Vec<String> {
-        let mut deck = deck.to_owned();
-        for (old, new) in replaced {
-            assert!(deck.contains(old), "{old}");
-            deck = deck.replace(old, new);
-        }
-        load_text("driven", &deck, &[]).unwrap().all_notes()
-    }
-
     #[track_caller]
     fn told(deck: &str, replaced: &[(&str, &str)], words: &str) {
-        let notes = notes(deck, replaced);
-        assert!(notes.len() == 1 && notes[0].contains(words), "{notes:?}");
+        one_note_says(&notes_on(deck, replaced), words);
     }
 
     #[test]
     fn what_is_driven_through_its_image_is_told() {
-        assert_eq!(notes(BENT, &[]), [""; 0]);
+        assert_eq!(notes_on(BENT, &[]), [""; 0]);
         let through = "motion `tool` drives particles through symmetry plane x: they start 0.5000 mm from it and are moved 4.0000 mm towards it";
         told(BENT, &[("[0, \"-4 m/s\"]", "[\"-4 m/s\", \"-4 m/s\"]")], through);
         // By a table, too, from the other side, and not of what stops before it.
         let table = "[[[\"0 s\", 0], [\"0.5 ms\", \"16 m/s\"], [\"1 ms\", \"-40 m/s\"]], \"-4 m/s\"]";
         told(BENT, &[("[0, \"-4 m/s\"]", table)], "through symmetry plane x");
-        assert_eq!(notes(BENT, &[("[0, \"-4 m/s\"]", "[\"-0.3 m/s\", \"-4 m/s\"]")]), [""; 0]);
-        assert_eq!(notes(BENT, &[("[0, \"-4 m/s\"]", "[\"free\", \"-4 m/s\"]")]), [""; 0]);
+        assert_eq!(notes_on(BENT, &[("[0, \"-4 m/s\"]", "[\"-0.3 m/s\", \"-4 m/s\"]")]), [""; 0]);
+        assert_eq!(notes_on(BENT, &[("[0, \"-4 m/s\"]", "[\"free\", \"-4 m/s\"]")]), [""; 0]);
     }
 
     #[test]
@@ -352,10 +342,10 @@ mod tests {
         told(BENT, &[("\"-4 m/s\"", "\"4 m/s\"")], idle);
         // One that comes back, one that does not get to the strip, and one that sticks to it.
         let back = "[[\"0 s\", \"4 m/s\"], [\"1 ms\", \"-8 m/s\"]]";
-        assert_eq!(notes(BENT, &[("\"-4 m/s\"", back)]), [""; 0]);
+        assert_eq!(notes_on(BENT, &[("\"-4 m/s\"", back)]), [""; 0]);
         told(BENT, &[("\"3 mm\"], max = [\"6 mm\", \"9 mm\"]", "\"20 mm\"], max = [\"6 mm\", \"26 mm\"]")], idle);
         assert_eq!(
-            notes(
+            notes_on(
                 BENT,
                 &[
                     ("\"-4 m/s\"", "\"4 m/s\""),
@@ -368,22 +358,22 @@ mod tests {
 
     #[test]
     fn grips_that_do_not_strain_are_told() {
-        assert_eq!(notes(PULLED, &[]), [""; 0]);
+        assert_eq!(notes_on(PULLED, &[]), [""; 0]);
         told(
             PULLED,
             &[("\"-3 m/s\"", "\"3 m/s\"")],
             "motions `left` and `right` have one velocity: they carry body `bar` along as a whole",
         );
-        assert_eq!(notes(PULLED, &[("\"-3 m/s\"", "\"2 m/s\"")]), [""; 0]);
+        assert_eq!(notes_on(PULLED, &[("\"-3 m/s\"", "\"2 m/s\"")]), [""; 0]);
         told(PULLED, &[("3 m/s", "1 mm/s")], "measure `strain` stays zero: motions strain body `bar` by 5.88e-5");
         // Elastic strains may be what is sought.
-        assert_eq!(notes(PULLED, &[("3 m/s", "1 mm/s"), ("plastic_strain", "von_mises_stress")]), [""; 0]);
-        assert_eq!(notes(PULLED, &[("3 m/s", "1 m/s")]), [""; 0]);
+        assert_eq!(notes_on(PULLED, &[("3 m/s", "1 mm/s"), ("plastic_strain", "von_mises_stress")]), [""; 0]);
+        assert_eq!(notes_on(PULLED, &[("3 m/s", "1 m/s")]), [""; 0]);
         told(
             PULLED,
             &[("3 m/s", "3000 m/s")],
             "that are 34.0000 mm apart 6.000 m relative to each other, 176 times as far",
         );
-        assert_eq!(notes(PULLED, &[("3 m/s", "300 m/s")]), [""; 0]);
+        assert_eq!(notes_on(PULLED, &[("3 m/s", "300 m/s")]), [""; 0]);
     }
 }

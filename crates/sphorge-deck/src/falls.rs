@@ -207,7 +207,7 @@ fn meets_plane(
 #[cfg(test)]
 mod tests {
     use super::closed;
-    use crate::load_text;
+    use crate::tests::notes::{notes_on, one_note_says};
 
     /// A box 1 m above a floor that moves down at 4.43 m/s: 0.187 s, of 1 m = 4.43 t + 4.905 t^2.
     const DECK: &str = "dimensions = \"plane-strain\"\ngravity = [0, -9.81]\nparticles = { spacing = \"1 mm\" }\ntime = { end = \"3 ms\" }\n\
@@ -216,18 +216,12 @@ mod tests {
                         [[wall]]\nname = \"floor\"\nplane = { point = [0, 0], normal = [0, 1] }\n";
 
     fn notes(replaced: &[(&str, &str)], more: &str) -> Vec<String> {
-        let mut deck = DECK.to_owned() + more;
-        for (old, new) in replaced {
-            assert!(deck.contains(old), "{old}");
-            deck = deck.replace(old, new);
-        }
-        load_text("box", &deck, &[]).unwrap().all_notes()
+        notes_on(&(DECK.to_owned() + more), replaced)
     }
 
     #[track_caller]
     fn told(replaced: &[(&str, &str)], more: &str, words: &str) {
-        let notes = notes(replaced, more);
-        assert!(notes.len() == 1 && notes[0].contains(words), "{notes:?}");
+        one_note_says(&notes(replaced, more), words);
     }
 
     const AT_REST: (&str, &str) = ("velocity = [0, -4.43]\n", "");

@@ -257,7 +257,7 @@ pub(crate) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
-    use crate::load_text;
+    use crate::tests::notes::{notes_on, one_note_says};
 
     /// A bar above a plate, 10 mm apart, that moves down at 100 m/s: it arrives after 100 us.
     const DECK: &str = "dimensions = \"plane-strain\"\nparticles = { spacing = \"1 mm\" }\ntime = { end = \"120 us\" }\n\
@@ -266,18 +266,12 @@ mod tests {
                         velocity = [0, -100]\n";
 
     fn notes(replaced: &[(&str, &str)], more: &str) -> Vec<String> {
-        let mut deck = DECK.to_owned() + more;
-        for (old, new) in replaced {
-            assert!(deck.contains(old), "{old}");
-            deck = deck.replace(old, new);
-        }
-        load_text("bar", &deck, &[]).unwrap().all_notes()
+        notes_on(&(DECK.to_owned() + more), replaced)
     }
 
     #[track_caller]
     fn told(replaced: &[(&str, &str)], more: &str, words: &str) {
-        let notes = notes(replaced, more);
-        assert!(notes.len() == 1 && notes[0].contains(words), "{notes:?}");
+        one_note_says(&notes(replaced, more), words);
     }
 
     const WALL: &str = "[[wall]]\nname = \"floor\"\nplane = { point = [0, \"-50 mm\"], normal = [0, 1] }\n";

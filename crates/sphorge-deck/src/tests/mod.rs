@@ -6,6 +6,7 @@ mod features;
 mod filling;
 mod idle;
 mod laws;
+pub(crate) mod notes;
 mod reference;
 mod shapes;
 mod thermal;
