@@ -7,8 +7,8 @@ use sphorge_engine::model::{BodyContact, Model};
 use sphorge_engine::{COINCIDENCE, FacetLaws, Particles};
 use sphorge_physics::conduction::friction_share;
 use sphorge_physics::facet::{
-    EdgeSprings, Facet, FacetMaterial, FacetPairLaw, FacetPress, FacetSlip, FacetStrength, FrictionShare, OnSides,
-    Partner, ReferenceFacet, SharedEdge, SlipDrive, edges_reversed, friction_force, half_of_misfit, moment_of_edge,
+    Facet, FacetMaterial, FacetPairLaw, FacetPress, FacetSlip, FacetStrength, FrictionShare, OnSides, Partner,
+    ReferenceFacet, SharedEdge, SlipDrive, edges_reversed, friction_force, half_of_misfit, moment_of_edge,
     moment_of_torn, press, slip_after, stress_of_moment,
 };
 use sphorge_physics::tensor::{dot, multiply};
@@ -321,20 +321,14 @@ impl Oracle {
                 let f = met.press.force.map(|f| sign * f);
                 let l = &facets.gradient[i];
                 let mut power = dot(f, self.evaluated[i]) + (0..3).map(|k| dot(of_own[k], l[k])).sum::<f64>();
-                let (pull, differs) = if met.is_first { met.press.edges_a } else { met.press.edges_b }.followed(facet);
-                let reference = &facets.reference[own].facet;
-                let sides = pull.on_sides(reference, &whole);
-                let by_misfit = met.press.by_misfit[usize::from(!met.is_first)];
-                let springs = EdgeSprings::of(reference, &whole, &facets.shifts[i], by_misfit);
-                for of_edges in [&springs.moment, &differs] {
-                    (0..3).for_each(|k| moment[i][k] = plus(moment[i][k], 1.0, of_edges[k]));
-                    power += (0..3).map(|k| dot(of_edges[k], l[k])).sum::<f64>();
-                }
-                lateral[i] += springs.stiffness / self.p.mass[i];
+                let of_edges = if met.is_first { met.press.edges_a } else { met.press.edges_b };
+                let cell = of_edges.on_cell(facet, &facets.reference[own].facet, &whole, &facets.shifts[i]);
+                (0..3).for_each(|k| moment[i][k] = plus(moment[i][k], 1.0, cell.moment[k]));
+                power += (0..3).map(|k| dot(cell.moment[k], l[k])).sum::<f64>();
+                lateral[i] += cell.stiffness / self.p.mass[i];
                 for edge in &edges[i] {
                     // On the way to the next particle and back from it.
-                    let both = plus(*sides.on(edge.side), 1.0, *springs.sides.on(edge.side));
-                    let pull = edge.edge.tangent(both);
+                    let pull = edge.edge.tangent(*cell.sides.on(edge.side));
                     let half = pull.map(|c| 0.5 * c);
                     power += dot(pull, edge.rate);
                     force[i] = plus(force[i], -1.0, half);

@@ -41,7 +41,7 @@ mod segment;
 mod spread;
 mod torn;
 
-pub use edges::{EdgeForces, EdgeSprings, OnSides, Pull, SharedEdge, half_of_misfit, moment_of_edge};
+pub use edges::{EdgeForces, OnCell, OnSides, SharedEdge, half_of_misfit, moment_of_edge};
 pub use friction::{FacetSlip, FrictionShare, SlipDrive, damp_sliding, friction_force, slip_after};
 pub use limit::{FacetStiffness, MARGIN, MOBILITY};
 pub use press::{FacetImpact, FacetMaterial, FacetPairLaw, FacetPress, FacetStrength, Partner, press};
@@ -149,7 +149,7 @@ pub struct Facet<T> {
     pub shift: Vector<T>,
     /// Change of that with the place from the middle where the owner carries it.
     pub shear: Tensor<T>,
-    /// `M` of the stretches of its edges ([`EdgeSprings`]).
+    /// `M` of the stretches of its edges (33l).
     pub misfit: T,
     /// Distance of the owner from the plane at rest, m.
     pub rest_depth: T,

@@ -25,11 +25,10 @@ use rayon::prelude::*;
 use smallvec::SmallVec;
 use sphorge_physics::contact::ContactStrength;
 use sphorge_physics::facet::{
-    EdgeForces, EdgeSprings, Facet, FacetPairLaw, FacetPress, FacetSlip, FrictionShare, OnSides, Partner, SlipDrive,
+    EdgeForces, Facet, FacetPairLaw, FacetPress, FacetSlip, FacetStiffness, FrictionShare, OnSides, Partner, SlipDrive,
     friction_force, moment_of_edge, moment_of_torn, press, slip_after, stress_of_moment,
 };
 use sphorge_physics::tensor::{apply, dot, plus};
-use sphorge_physics::time_step::oscillator_limit;
 use sphorge_physics::{Dimension, SymmetricTensor, Tensor, Vector};
 
 pub(super) use sphorge_physics::facet::{MARGIN, MOBILITY};
@@ -166,20 +165,16 @@ struct OnEdges {
     facet: usize,
     bodies: (usize, usize),
     forces: EdgeForces<f64>,
-    /// What the energy grows by with the misfit of the facet, J.
-    by_misfit: f64,
 }
 
 impl OnEdges {
     /// Adds a pair to that of the last one, if it is of the same facet and body: pairs of a facet come one after the other.
-    fn add(all: &mut SmallVec<[Self; 6]>, met: &Met<'_>, forces: &EdgeForces<f64>, by_misfit: f64) {
+    fn add(all: &mut SmallVec<[Self; 6]>, met: &Met<'_>) {
+        let forces = if met.is_first { met.press.edges_a } else { met.press.edges_b };
         let (facet, bodies) = (met.own.index, met.bodies);
         match all.last_mut().filter(|last| (last.facet, last.bodies) == (facet, bodies)) {
-            Some(last) => {
-                last.forces.add(forces);
-                last.by_misfit += by_misfit;
-            }
-            None => all.push(Self { facet, bodies, forces: *forces, by_misfit }),
+            Some(last) => last.forces.add(&forces),
+            None => all.push(Self { facet, bodies, forces }),
         }
     }
 }
@@ -491,8 +486,7 @@ impl FacetContacts {
         let mut push = Push::default();
         let mut on_edges: SmallVec<[OnEdges; 6]> = SmallVec::new();
         let mut moment = [[0.0; 3]; 3];
-        // Against motion across facets, and along them.
-        let (mut stiffness, mut lateral, mut damping) = (0.0, 0.0f64, 0.0);
+        let mut stiffness = FacetStiffness::none();
         let (v, l) = (points.velocity.at(i), points.gradient.at(i));
         self.each(i, only, points, |met| {
             let mut press = *met.press;
@@ -541,8 +535,7 @@ impl FacetContacts {
                     power += of_own[k][c] * l[k][c];
                 }
             }
-            let of_own = if met.is_first { &press.edges_a } else { &press.edges_b };
-            OnEdges::add(&mut on_edges, &met, of_own, press.by_misfit[usize::from(!met.is_first)]);
+            OnEdges::add(&mut on_edges, &met);
             let friction = table.friction_share(a, b) * rubbed;
             push.heat += 0.5 * damped + friction;
             push.friction += friction;
@@ -551,9 +544,7 @@ impl FacetContacts {
             sum.stored -= power;
             sum.friction += friction;
             sum.damped += 0.5 * damped;
-            let mobility = MOBILITY * press.area / mass;
-            stiffness += mobility * press.stiffness;
-            damping += mobility * met.law.damping;
+            stiffness.add(met.press, met.law, mass);
         });
         let released = self.released(i, points);
         if released != 0.0 {
@@ -564,24 +555,17 @@ impl FacetContacts {
             }
         }
         let mut pulls = OnSides::zero();
-        for OnEdges { facet, bodies: (a, b), forces, by_misfit } in on_edges {
-            let (pull, differs) = forces.followed(&self.now[facet]);
-            let facet = &self.sources[facet].facet(&self.reference).facet;
-            let of_sides = pull.on_sides(facet, f);
-            let springs = EdgeSprings::of(facet, f, &shifts, by_misfit);
-            let of_edges = plus(&springs.moment, 1.0, &differs);
-            let mut power: f64 = (0..3).map(|k| dot(of_edges[k], l[k])).sum();
+        for OnEdges { facet, bodies: (a, b), forces } in on_edges {
+            let reference = &self.sources[facet].facet(&self.reference).facet;
+            let cell = forces.on_cell(&self.now[facet], reference, f, &shifts);
+            let mut power: f64 = (0..3).map(|k| dot(cell.moment[k], l[k])).sum();
             for edge in edges {
-                let (of_side, spring) = (*of_sides.on(edge.side), *springs.sides.on(edge.side));
-                let all = pulls.on_mut(edge.side);
-                for k in 0..3 {
-                    let pull = of_side[k] + spring[k];
-                    power += pull * edge.rate[k];
-                    all[k] += pull;
-                }
+                let (of_side, all) = (cell.sides.on(edge.side), pulls.on_mut(edge.side));
+                power += dot(*of_side, edge.rate);
+                (0..3).for_each(|k| all[k] += of_side[k]);
             }
-            moment = plus(&moment, 1.0, &of_edges);
-            lateral += springs.stiffness / mass;
+            moment = plus(&moment, 1.0, &cell.moment);
+            stiffness.add_edges(&cell, mass);
             sums.of(table.place(a, b)).stored -= power;
         }
         for edge in edges {
@@ -592,8 +576,7 @@ impl FacetContacts {
         for k in 0..3 {
             push.heat += dot(moment[k], l[k]);
         }
-        // Twice the sum accounts for neighbours that oscillate against the particle.
-        push.limit = MARGIN * oscillator_limit(2.0 * lateral.max(stiffness), 2.0 * damping);
+        push.limit = stiffness.limit();
         (push, moment, pulls)
     }
 

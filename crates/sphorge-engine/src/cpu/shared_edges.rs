@@ -15,10 +15,8 @@ use sphorge_physics::tensor::{dot, multiply};
 use sphorge_physics::{Tensor, Vector};
 use std::borrow::Cow;
 
-/// Distance from where the next particle was at the start within which it is that, over the way there.
-const THERE: f64 = 0.1;
 /// Distance over that of the farthest of them beyond which none is.
-const FARTHEST: f64 = 1.0 + 2.0 * THERE;
+const FARTHEST: f64 = 1.0 + 2.0 * Beside::THERE;
 
 /// An edge that the facets of a cell share with those of the next one.
 #[derive(Clone, Copy, Debug)]
@@ -88,7 +86,7 @@ impl BesidePoints {
                 for side in 0..6 {
                     let Some(way) = beside.way(side) else { continue };
                     let apart: Vector<f64> = std::array::from_fn(|k| to[k] - way[k]);
-                    if dot(apart, apart) < THERE * THERE * dot(way, way) {
+                    if dot(apart, apart) < (Beside::THERE * Beside::THERE) * dot(way, way) {
                         found.push(Next { point, side: side as u8 });
                     }
                 }

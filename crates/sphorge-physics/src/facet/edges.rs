@@ -14,11 +14,11 @@
 //! from where `F_i` carries it, with `d` the way to the cell `k` beside it at the start, or nearly so far where that is much ([`SharedEdge`]). A facet with the shifts `s-` and `s+` at both ends of
 //! each axis along it has the point `Y` of the cell at `x_i + F_i Y + (I - n n)(T + G Y)`, with `T` the sum over the axes of `(s- + s+)/2` and `G` that of
 //! `(s+ - s-) (x) u` ([`Facet::shifted`]). `u` is along the axis, one over the width of the cell. Only edges are shifted: the plane and the curvature remain where
-//! the owner carries them. Forces on the edges are on what the shifts follow from, so that energy and momentum are conserved as without ([`EdgeForces::followed`], [`Pull::on_sides`]).
+//! the owner carries them. Forces on the edges are on what the shifts follow from, so that energy and momentum are conserved as without ([`EdgeForces::on_cell`]).
 //!
 //! What presses on a facet follows the places of its edges, and the volume of its cell does not: a cell that is wider than `F` says bears more and does not get thinner.
 //! Under pressure that is unstable, whatever the material: surfaces of plates whose lattices are not in line moved along each other until nothing pressed. Stretched edges
-//! therefore make the contact firmer, in proportion to its energy, so that they are held ([`Facet::misfit`], [`EdgeSprings`]).
+//! therefore make the contact firmer, in proportion to its energy, so that they are held ([`Facet::misfit`]).
 
 use super::press::add_of_normal;
 use super::{Facet, ReferenceFacet};
@@ -127,45 +127,42 @@ fn firmer<T: Real>(stretch: T) -> [T; 3] {
     [T::of(0.5) * slope * stretch * stretch, slope * share * stretch, slope * share]
 }
 
+/// What pairs do to a cell by the edges of its facet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OnCell<T> {
+    /// Forces on the shifts of its sides, N.
+    pub sides: OnSides<T>,
+    /// Beside the moment of the pairs, N m (power `M:L`).
+    pub moment: Tensor<T>,
+    /// Stiffness against the motion of a particle, as others move against it, N/m.
+    pub stiffness: T,
+}
+
 /// What edges do that are shifted along a facet with an energy of contact. With the stretches `e = s.F^-T u` of its edges, that energy is
 ///
 /// ```text
 /// (33l)  U (1 + 2 (D_a M_a + D_b M_b)/(D_a + D_b)),   M = sum over edges (k/2) e^2/(1 + (e/c)^2)
 /// ```
 ///
-/// with the depths `D` at rest: the work of a pressure on a cell is in proportion to its own volume.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EdgeSprings<T> {
-    /// Forces on the shifts of the sides of the cell, N.
-    pub sides: OnSides<T>,
-    /// Moment (power `M:L`) by which the deformation changes the stretches, N m.
-    pub moment: Tensor<T>,
-    /// Stiffness against the motion of a particle, as others move against it, N/m.
-    pub stiffness: T,
-}
-
-impl<T: Real> EdgeSprings<T> {
-    /// Of a facet that was carried by `f`, with the shifts of the sides of its cell (m) and what the energy of a pair that it is in grows by with `M`
-    /// ([`FacetPress::by_misfit`](super::FacetPress::by_misfit), J).
-    #[inline]
-    pub fn of(reference: &ReferenceFacet<T>, f: &Tensor<T>, shifts: &OnSides<T>, energy: T) -> Self {
-        let mut springs = Self { sides: OnSides::zero(), moment: [[T::zero(); 3]; 3], stiffness: T::zero() };
-        let turned = transpose(&inverse(f));
-        for axis in 0..3 {
-            let mut of_axis = T::zero();
-            let along = apply(&turned, reference.across[axis]);
-            for (side, shift) in [(2 * axis, shifts.low[axis]), (2 * axis + 1, shifts.high[axis])] {
-                let [_, slope, stiffness] = firmer(dot(shift, along));
-                let force = along.map(|u| -(energy * slope * u));
-                *springs.sides.on_mut(side) = force;
-                springs.moment = plus(&springs.moment, -T::one(), &dyad(force, shift));
-                of_axis += T::of(0.5) * energy * stiffness * dot(along, along);
-            }
-            // Motion along one axis is held by the edges at its ends.
-            springs.stiffness = springs.stiffness.max(of_axis);
+/// with the depths `D` at rest: the work of a pressure on a cell is in proportion to its own volume. `by_misfit` is what the energy grows by with `M`, J.
+#[inline(always)]
+fn springs<T: Real>(reference: &ReferenceFacet<T>, f: &Tensor<T>, shifts: &OnSides<T>, by_misfit: T) -> OnCell<T> {
+    let mut springs = OnCell { sides: OnSides::zero(), moment: [[T::zero(); 3]; 3], stiffness: T::zero() };
+    let turned = transpose(&inverse(f));
+    for axis in 0..3 {
+        let mut of_axis = T::zero();
+        let along = apply(&turned, reference.across[axis]);
+        for (side, shift) in [(2 * axis, shifts.low[axis]), (2 * axis + 1, shifts.high[axis])] {
+            let [_, slope, stiffness] = firmer(dot(shift, along));
+            let force = along.map(|u| -(by_misfit * slope * u));
+            *springs.sides.on_mut(side) = force;
+            springs.moment = plus(&springs.moment, -T::one(), &dyad(force, shift));
+            of_axis += T::of(0.5) * by_misfit * stiffness * dot(along, along);
         }
-        springs
+        // Motion along one axis is held by the edges at its ends.
+        springs.stiffness = springs.stiffness.max(of_axis);
     }
+    springs
 }
 
 /// `(I - n n) v`.
@@ -233,13 +230,15 @@ pub struct EdgeForces<T> {
     pub force: Vector<T>,
     /// Its moment about the middle of the facet, N m (N).
     pub moment: Tensor<T>,
+    /// What the energy grows by with the [misfit](Facet::misfit) of the facet, J; zero only where nothing presses.
+    pub by_misfit: T,
 }
 
 impl<T: Real> EdgeForces<T> {
     /// None.
     #[inline(always)]
     pub fn none() -> Self {
-        Self { force: [T::zero(); 3], moment: [[T::zero(); 3]; 3] }
+        Self { force: [T::zero(); 3], moment: [[T::zero(); 3]; 3], by_misfit: T::zero() }
     }
 
     /// Adds those of another pair.
@@ -247,15 +246,44 @@ impl<T: Real> EdgeForces<T> {
     pub fn add(&mut self, other: &Self) {
         (0..3).for_each(|a| self.force[a] += other.force[a]);
         self.moment = plus(&self.moment, T::one(), &other.moment);
+        self.by_misfit += other.by_misfit;
     }
 
-    /// What they pull by where the edges are shifted, and by what the moment on the owner (N m, power `M:L`) then differs: what follows the shifts is not on it,
-    /// and edges are shifted within the plane, which turns with the owner.
+    /// So many times the same.
+    #[inline(always)]
+    pub(super) fn times(&self, factor: T) -> Self {
+        let vector = |v: Vector<T>| v.map(|c| factor * c);
+        Self { force: vector(self.force), moment: self.moment.map(vector), by_misfit: factor * self.by_misfit }
+    }
+
+    /// What follows for the cell of the facet: `reference` is the one that was carried by `f` and shifted to `now`, with the shifts of the sides of its cell, m.
+    #[inline]
+    pub fn on_cell(
+        &self,
+        now: &Facet<T>,
+        reference: &ReferenceFacet<T>,
+        f: &Tensor<T>,
+        shifts: &OnSides<T>,
+    ) -> OnCell<T> {
+        let (pull, differs) = self.followed(now);
+        let (sides, springs) = (pull.on_sides(reference, f), springs(reference, f, shifts, self.by_misfit));
+        OnCell {
+            sides: OnSides {
+                low: plus(&sides.low, T::one(), &springs.sides.low),
+                high: plus(&sides.high, T::one(), &springs.sides.high),
+            },
+            moment: plus(&springs.moment, T::one(), &differs),
+            stiffness: springs.stiffness,
+        }
+    }
+
+    /// What they pull by where the edges are shifted, and by what the moment on the owner then differs: what follows the shifts is not on it, and edges are
+    /// shifted within the plane, which turns with the owner.
     ///
     /// With `w = T + H y` at the place `y` of the owner's from the middle, an edge is at `y + (I - n n) w`.
-    #[inline]
-    pub fn followed(&self, facet: &Facet<T>) -> (Pull<T>, Tensor<T>) {
-        let (Self { force, moment: whole }, Facet { normal, shift, shear, .. }) = (*self, *facet);
+    #[inline(always)]
+    fn followed(&self, facet: &Facet<T>) -> (Pull<T>, Tensor<T>) {
+        let (Self { force, moment: whole, .. }, Facet { normal, shift, shear, .. }) = (*self, *facet);
         // Where the owner carries what is at a place: (I + (I - n n) H)^-1.
         let mut grown = rows_within_plane(&shear, normal);
         (0..3).for_each(|a| grown[a][a] += T::one());
@@ -270,16 +298,6 @@ impl<T: Real> EdgeForces<T> {
         add_of_normal(&mut differs, normal, by_normal, T::zero());
         (Pull { force: within_plane(force, normal), moment: rows_within_plane(&carried, normal) }, differs)
     }
-
-    /// Changed by functions of vectors and of tensors.
-    #[inline(always)]
-    pub(super) fn map(
-        self,
-        vector: impl FnOnce(Vector<T>) -> Vector<T>,
-        tensor: impl FnOnce(Tensor<T>) -> Tensor<T>,
-    ) -> Self {
-        Self { force: vector(self.force), moment: tensor(self.moment) }
-    }
 }
 
 impl<T: Real> Numbers<T> for EdgeForces<T> {
@@ -287,22 +305,22 @@ impl<T: Real> Numbers<T> for EdgeForces<T> {
     fn each(&mut self, visit: &mut dyn FnMut(&mut T)) {
         self.force.each(visit);
         self.moment.each(visit);
+        visit(&mut self.by_misfit);
     }
 }
 
 /// Forces of the edges of a facet on what their shifts follow from.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pull<T> {
+struct Pull<T> {
     /// On [`Facet::shift`], N (N/m).
-    pub force: Vector<T>,
+    force: Vector<T>,
     /// On [`Facet::shear`], N m (N).
-    pub moment: Tensor<T>,
+    moment: Tensor<T>,
 }
 
 impl<T: Real> Pull<T> {
     /// Forces that the shifts of the sides of the cell do work by, N.
-    #[inline]
-    pub fn on_sides(&self, reference: &ReferenceFacet<T>, f: &Tensor<T>) -> OnSides<T> {
+    #[inline(always)]
+    fn on_sides(&self, reference: &ReferenceFacet<T>, f: &Tensor<T>) -> OnSides<T> {
         let of_initial = multiply(&self.moment, &transpose(&inverse(f)));
         let about_owner = plus(&of_initial, T::one(), &dyad(self.force, reference.middle));
         let (mut sides, shared) = (OnSides::zero(), reference.shared());

@@ -1,6 +1,6 @@
 //! The time step of particles that press at their facets.
 
-use super::{EdgeSprings, FacetPairLaw, FacetPress};
+use super::{FacetPairLaw, FacetPress, OnCell};
 use crate::time_step::oscillator_limit;
 use crate::{Numbers, Real};
 
@@ -36,10 +36,10 @@ impl<T: Real> FacetStiffness<T> {
         self.damping += mobility * law.damping;
     }
 
-    /// Adds the springs of the edges of a facet of a particle of that mass, kg.
+    /// Adds the edges of a facet of a particle of that mass, kg.
     #[inline]
-    pub fn add_springs(&mut self, springs: &EdgeSprings<T>, mass: T) {
-        self.lateral += springs.stiffness / mass;
+    pub fn add_edges(&mut self, edges: &OnCell<T>, mass: T) {
+        self.lateral += edges.stiffness / mass;
     }
 
     /// Largest step before Courant's number, s. Twice the sum accounts for neighbours that oscillate against the particle.

@@ -142,11 +142,9 @@ pub enum Partner {
 pub struct FacetPress<T> {
     /// `U`, J (J/m in the plane); zero where the pair does not press.
     pub energy: T,
-    /// What that grows by with the [misfit](Facet::misfit) of both facets, J.
-    pub by_misfit: [T; 2],
     /// Force on the owner of `a`, N (N/m); that on the owner of `b` is exactly the opposite.
     pub force: Vector<T>,
-    /// Moment on the owner of `a`, N m (N): power `M:L` beyond `f.v`. Of edges as if they were where the owner carries them ([`EdgeForces::followed`]).
+    /// Moment on the owner of `a`, N m (N): power `M:L` beyond `f.v`. Of edges as if they were where the owner carries them ([`EdgeForces::on_cell`]).
     pub moment_a: Tensor<T>,
     /// Moment on the owner of `b`.
     pub moment_b: Tensor<T>,
@@ -178,7 +176,6 @@ impl<T: Real> FacetPress<T> {
         let o = T::zero();
         Self {
             energy: o,
-            by_misfit: [o; 2],
             force: [o; 3],
             moment_a: [[o; 3]; 3],
             moment_b: [[o; 3]; 3],
@@ -203,8 +200,8 @@ impl<T: Real> FacetPress<T> {
             force: vector(self.force),
             moment_a: self.moment_a.map(vector),
             moment_b: self.moment_b.map(vector),
-            edges_a: self.edges_a.map(vector, |moment| moment.map(vector)),
-            edges_b: self.edges_b.map(vector, |moment| moment.map(vector)),
+            edges_a: self.edges_a.times(share),
+            edges_b: self.edges_b.times(share),
             normal_force: share * self.normal_force,
             area: share * self.area,
             damped_area: share * self.damped_area,
@@ -219,12 +216,13 @@ impl<T: Real> FacetPress<T> {
         let vector = |v: Vector<T>| [0, 1, 2].map(|i: usize| if i < dimension.count() { v[i] } else { zero });
         let tensor =
             |t: Tensor<T>| [0, 1, 2].map(|i: usize| if i < dimension.count() { vector(t[i]) } else { [zero; 3] });
+        let edges = |of: EdgeForces<T>| EdgeForces { force: vector(of.force), moment: tensor(of.moment), ..of };
         Self {
             force: vector(self.force),
             moment_a: tensor(self.moment_a),
             moment_b: tensor(self.moment_b),
-            edges_a: self.edges_a.map(vector, tensor),
-            edges_b: self.edges_b.map(vector, tensor),
+            edges_a: edges(self.edges_a),
+            edges_b: edges(self.edges_b),
             normal: vector(self.normal),
             centre_a: vector(self.centre_a),
             centre_b: vector(self.centre_b),
@@ -275,7 +273,6 @@ impl<T: Real> Numbers<T> for FacetPress<T> {
     fn each(&mut self, visit: &mut dyn FnMut(&mut T)) {
         let Self {
             energy,
-            by_misfit,
             force,
             moment_a,
             moment_b,
@@ -290,7 +287,6 @@ impl<T: Real> Numbers<T> for FacetPress<T> {
             stiffness,
         } = self;
         visit(energy);
-        by_misfit.each(visit);
         force.each(visit);
         moment_a.each(visit);
         moment_b.each(visit);
@@ -417,19 +413,12 @@ impl<T: Real> Surface<T> {
         (T::of(0.5) * along(gradient, r), gradient)
     }
 
-    /// Force and moment about the owner of a pressure with these moments, and of a force in the plane of projection with its moments there; `arm` from
-    /// the owner to the middle.
+    /// Force and moment about the owner of a pressure with these moments and of the edges; `arm` from the owner to the middle.
     #[inline(always)]
-    fn act(
-        &self,
-        pressure: &Moments<T>,
-        edges: &EdgeMoments<T>,
-        t: &[Vector<T>; 2],
-        arm: Vector<T>,
-    ) -> (Vector<T>, Tensor<T>) {
+    fn act(&self, pressure: &Moments<T>, edges: &EdgeForces<T>, arm: Vector<T>) -> (Vector<T>, Tensor<T>) {
         let about = pressure.about(self.middle);
-        let mut force = [T::zero(); 3];
-        let mut moment = [[T::zero(); 3]; 3];
+        let mut force = edges.force;
+        let mut moment = edges.moment;
         let pushes = |weight: T, first: Place<T>| {
             [0, 1, 2]
                 .map(|a: usize| self.push[a] * weight + self.gradient[0][a] * first[0] + self.gradient[1][a] * first[1])
@@ -438,14 +427,9 @@ impl<T: Real> Surface<T> {
         let [xx, xy, yy] = about.second;
         let firsts = [pushes(about.first[0], [xx, xy]), pushes(about.first[1], [xy, yy])];
         for a in 0..3 {
-            force[a] = body[a] + (edges.force[0] * t[0][a] + edges.force[1] * t[1][a]);
-            for c in 0..2 {
-                // Moment of the edges about the middle, along axis c.
-                let edge = |i: usize| edges.moment[i][c] - edges.force[i] * self.middle[c];
-                let first = firsts[c][a] + (edge(0) * t[0][a] + edge(1) * t[1][a]);
-                for b in 0..3 {
-                    moment[a][b] += first * self.axes[c][b];
-                }
+            force[a] += body[a];
+            for (first, axis) in firsts.iter().zip(&self.axes) {
+                (0..3).for_each(|b| moment[a][b] += first[a] * axis[b]);
             }
             for b in 0..3 {
                 moment[a][b] += force[a] * arm[b];
@@ -453,22 +437,19 @@ impl<T: Real> Surface<T> {
         }
         (force, moment)
     }
-}
 
-impl<T: Real> Surface<T> {
     /// Force of the edges, and its moment about the middle.
     #[inline(always)]
     fn of_edges(&self, edges: &EdgeMoments<T>, t: &[Vector<T>; 2]) -> EdgeForces<T> {
+        let in_space = |[x, y]: Place<T>| [0, 1, 2].map(|a: usize| x * t[0][a] + y * t[1][a]);
         let mut moment = [[T::zero(); 3]; 3];
-        for i in 0..2 {
-            for c in 0..2 {
-                let edge = edges.moment[i][c] - edges.force[i] * self.middle[c];
-                for a in 0..3 {
-                    (0..3).for_each(|b| moment[a][b] += edge * t[i][a] * self.axes[c][b]);
-                }
+        for (c, axis) in self.axes.iter().enumerate() {
+            let first = in_space([0, 1].map(|i: usize| edges.moment[i][c] - edges.force[i] * self.middle[c]));
+            for a in 0..3 {
+                (0..3).for_each(|b| moment[a][b] += first[a] * axis[b]);
             }
         }
-        EdgeForces { force: [0, 1, 2].map(|a: usize| edges.force[0] * t[0][a] + edges.force[1] * t[1][a]), moment }
+        EdgeForces { force: in_space(edges.force), moment, by_misfit: T::zero() }
     }
 }
 
@@ -870,8 +851,9 @@ impl<T: Elementary> Surfaces<T> {
                 // The derivative by the distance of the owners, which turns `m` as other forces do.
                 let parted = by_order * chi * area * energy / depth;
                 let (chi, by_cosine) = (chi * order, by_cosine * order);
-                let (force, about_a) = self.a.act(&moved, &edges[0], &t, a.middle);
-                let (_, about_b) = self.b.act(&moved, &edges[1], &t, b.middle);
+                let [of_a, of_b] = [self.a.of_edges(&edges[0], &t), self.b.of_edges(&edges[1], &t)];
+                let (force, about_a) = self.a.act(&moved, &of_a, a.middle);
+                let (_, about_b) = self.b.act(&moved, &of_b, b.middle);
                 let gives = |then: T, otherwise: T| T::select_lt(zero, law.gives_way, then, otherwise);
                 let force = [0, 1, 2].map(|i: usize| gives(chi * force[i] - parted * m[i], chi * force[i]));
                 let by_depth = chi * area * by_depth - parted * distance / depth;
@@ -885,21 +867,18 @@ impl<T: Elementary> Surfaces<T> {
                     (0..3).for_each(|j| moment_a[i][j] -= turn * t[1][i] * edge[j]);
                 }
                 // m follows both normals: what is left of the torque of the forces turns it. The force on b is the opposite of that on a.
-                let (of_a, of_b, of_both) = (torque(&moment_a), torque(&moment_b), cross(between, force));
-                let left = [0, 1, 2].map(|i: usize| of_a[i] + of_b[i] - of_both[i]);
+                let (turns_a, turns_b, of_both) = (torque(&moment_a), torque(&moment_b), cross(between, force));
+                let left = [0, 1, 2].map(|i: usize| turns_a[i] + turns_b[i] - of_both[i]);
                 let turned = cross(left, m).map(|c| c / opening);
                 let facing = by_cosine * area * energy;
                 let by_normal_a = [0, 1, 2].map(|i: usize| -turned[i] - facing * b.normal[i]);
                 let by_normal_b = [0, 1, 2].map(|i: usize| turned[i] - facing * a.normal[i]);
-                let scaled = |of: EdgeForces<T>| {
-                    let vector = |v: Vector<T>| v.map(|c| chi * c);
-                    of.map(vector, |moment| moment.map(vector))
-                };
-                let mut edges_a = scaled(self.a.of_edges(&edges[0], &t));
+                let [mut edges_a, mut edges_b] = [of_a.times(chi), of_b.times(chi)];
+                let by_misfit = shares.map(|share| share * chi * area * energy / firmer);
+                [edges_a.by_misfit, edges_b.by_misfit] = by_misfit;
                 for i in 0..3 {
                     (0..3).for_each(|j| edges_a.moment[i][j] -= turn * t[1][i] * edge[j]);
                 }
-                let edges_b = scaled(self.b.of_edges(&edges[1], &t));
                 add_of_normal(&mut moment_a, a.normal, by_normal_a, by_depth * a.depth);
                 add_of_normal(&mut moment_b, b.normal, by_normal_b, by_depth * b.depth);
                 let place = [0, 1].map(|i: usize| whole.first[i] / whole.sum);
@@ -909,7 +888,6 @@ impl<T: Elementary> Surfaces<T> {
                 let centre_a = [0, 1, 2].map(|i: usize| a.middle[i] + point[i]);
                 FacetPress {
                     energy: chi * area * energy,
-                    by_misfit: shares.map(|share| share * chi * area * energy / firmer),
                     force,
                     moment_a,
                     moment_b,

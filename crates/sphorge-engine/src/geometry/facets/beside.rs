@@ -6,7 +6,7 @@ use sphorge_physics::facet::OnSides;
 use std::collections::HashMap;
 
 /// Distance from where the next particle is expected within which it is there, in spacings: that of lattices, and along rings, but not from ring to ring.
-const THERE: f64 = 0.05;
+const EXPECTED: f64 = 0.05;
 
 /// What is beside a cell with facets.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +18,9 @@ pub struct Beside {
 }
 
 impl Beside {
+    /// Distance of a particle at the start from where one is beside a cell, over the way there, within which it is that one.
+    pub const THERE: f64 = 0.1;
+
     /// The way across a side, m, if there is a cell with facets.
     pub fn way(&self, side: usize) -> Option<Vector<f64>> {
         let way = *self.ways.on(side);
@@ -34,7 +37,7 @@ pub(super) struct Owner {
 
 /// Finds what is beside each of the particles of a body that have facets.
 pub(super) fn find(owners: &[Owner], space: &Space<'_>, spacing: f64) -> Vec<Beside> {
-    let within = THERE * spacing;
+    let within = EXPECTED * spacing;
     let cell = |place: Vector<f64>| place.map(|c| (c / spacing).floor() as i64);
     let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
     for (k, owner) in owners.iter().enumerate() {

@@ -16,8 +16,8 @@ use crate::engine::columns::{
 use crate::record::{Index, KernelFault, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_physics::facet::{
-    EdgeForces, EdgeSprings, FacetPress, FacetSlip, FacetStiffness, FrictionShare, SlipDrive, friction_force,
-    moment_of_torn, slip_after, stress_of_moment,
+    EdgeForces, FacetPress, FacetSlip, FacetStiffness, FrictionShare, SlipDrive, friction_force, moment_of_torn,
+    slip_after, stress_of_moment,
 };
 use sphorge_physics::tensor::{dot, plus};
 use sphorge_physics::{Elementary, Numbers, Real, Tensor, Vector};
@@ -121,16 +121,15 @@ struct ContactSums {
     /// Moment of the forces, N m.
     moment: Tensor<Recorded>,
     stiffness: FacetStiffness<Recorded>,
-    /// What the pairs of one of its facets with one particle do to its edges, and what the energy grows by with its misfit, J.
+    /// What the pairs of one of its facets with one particle do to its edges.
     edges: EdgeForces<Recorded>,
-    by_misfit: Recorded,
 }
 
 impl ContactSums {
     fn none() -> Self {
         let zero = Recorded::zero();
         let moment = [[zero; 3]; 3];
-        Self { sums: [zero; 5], moment, stiffness: FacetStiffness::none(), edges: EdgeForces::none(), by_misfit: zero }
+        Self { sums: [zero; 5], moment, stiffness: FacetStiffness::none(), edges: EdgeForces::none() }
     }
 }
 
@@ -140,7 +139,6 @@ impl Numbers<Recorded> for ContactSums {
         self.moment.each(visit);
         self.stiffness.each(visit);
         self.edges.each(visit);
-        visit(&mut self.by_misfit);
     }
 }
 
@@ -249,8 +247,8 @@ impl<'a> FacetForces<'a> {
         state.edges.add(&EdgeForces {
             force: [0, 1, 2].map(|a| met.own(of_first.force[a], of_second.force[a])),
             moment: [0, 1, 2].map(|a| [0, 1, 2].map(|b| met.own(of_first.moment[a][b], of_second.moment[a][b]))),
+            by_misfit: met.own(of_first.by_misfit, of_second.by_misfit),
         });
-        state.by_misfit += met.own(met.press.by_misfit[0], met.press.by_misfit[1]);
         let friction = met.friction_share * rubbed;
         // The other half comes from the row of the other particle.
         let damped = self.half * damped;
@@ -274,30 +272,23 @@ impl<'a> FacetForces<'a> {
         (mass, meetings, pulls): (Recorded, groups::Meetings<Write>, groups::EdgePulls<Write>),
     ) -> ContactSums {
         let (i, zero) = (self.i, self.zero);
-        let ContactSums { edges, by_misfit, .. } = state;
-        (state.edges, state.by_misfit) = (EdgeForces::none(), zero);
+        let edges = std::mem::replace(&mut state.edges, EdgeForces::none());
         let follow = || {
             let mut state = state;
-            let (f, facet_now) = (self.points.deformation.whole(i), self.points.carried(i, facet, None).0);
-            let facet = self.points.table.facet(facet);
-            let (pull, differs) = edges.followed(&facet_now);
-            let sides = pull.on_sides(&facet, &f);
-            let springs = EdgeSprings::of(&facet, &f, &shifts(self.points.edges, i), by_misfit);
-            let of_edges = plus(&springs.moment, Recorded::one(), &differs);
-            let mut power = (0..3).fold(zero, |power, k| power + dot(of_edges[k], l[k]));
+            let (f, now) = (self.points.deformation.whole(i), self.points.carried(i, facet, None).0);
+            let cell = edges.on_cell(&now, &self.points.table.facet(facet), &f, &shifts(self.points.edges, i));
+            let mut power = (0..3).fold(zero, |power, k| power + dot(cell.moment[k], l[k]));
             for side in 0..FACES {
-                let (pull, spring) = (*sides.on(side), *springs.sides.on(side));
-                let pull = [0, 1, 2].map(|k| pull[k] + spring[k]);
-                pulls.of(side).pull.add(i, pull);
-                power += dot(pull, self.points.edges.of(side).rate.get(i));
+                pulls.of(side).pull.add(i, *cell.sides.on(side));
+                power += dot(*cell.sides.on(side), self.points.edges.of(side).rate.get(i));
             }
-            state.moment = plus(&state.moment, Recorded::one(), &of_edges);
-            state.stiffness.add_springs(&springs, mass);
+            state.moment = plus(&state.moment, Recorded::one(), &cell.moment);
+            state.stiffness.add_edges(&cell, mass);
             meetings.of_value(self.points.body.at(j)).powers.number(0).add(i, -power);
             state
         };
         // Without a pair that presses there is nothing.
-        Recorded::if_lt(zero, by_misfit, follow, || state)
+        Recorded::if_lt(zero, edges.by_misfit, follow, || state)
     }
 
     /// Power that springs without partners release, W, booked to the nearest body; nothing without friction.

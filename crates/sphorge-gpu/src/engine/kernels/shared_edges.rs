@@ -10,13 +10,11 @@ use crate::engine::columns::{
     recording,
 };
 use crate::record::{Index, KernelFault, Recorded};
+use sphorge_engine::geometry;
 use sphorge_engine::model::Model;
 use sphorge_physics::facet::{OnSides, SharedEdge, half_of_misfit, moment_of_edge, stress_of_moment};
 use sphorge_physics::tensor::{dot, multiply, plus};
 use sphorge_physics::{Elementary, Numbers, Real, Tensor, Vector};
-
-/// Distance from where the next particle was at the start within which it is that, over the way there.
-const THERE: f64 = 0.1;
 
 /// A cell that is beside that of a particle.
 struct Beside<'a> {
@@ -59,7 +57,7 @@ impl Cells {
             for side in 0..2 * D {
                 let way = ways.ways.vector(side).get(row);
                 let off = [0, 1, 2].map(|a| pair.x[a] + way[a]);
-                let within = Recorded::of(THERE * THERE) * dot(way, way);
+                let within = Recorded::of(geometry::Beside::THERE * geometry::Beside::THERE) * dot(way, way);
                 let beside = Beside { side, way, pair, j };
                 state = Recorded::if_lt(dot(off, off), within, || add(state, &beside), || state);
             }

@@ -48,8 +48,8 @@ impl Cell {
         Self { x: [0.0; 3], f, shifts, facet }
     }
 
-    fn springs(&self, by_misfit: f64) -> EdgeSprings<f64> {
-        EdgeSprings::of(&self.facet, &self.f, &self.shifts, by_misfit)
+    fn edges(&self, forces: &EdgeForces<f64>) -> OnCell<f64> {
+        forces.on_cell(&self.now(), &self.facet, &self.f, &self.shifts)
     }
 
     fn now(&self) -> Facet<f64> {
@@ -85,16 +85,10 @@ fn shifted_facets_keep_the_derivative_of_the_energy() {
                 };
                 (energy(1e-6) - energy(-1e-6)) / 2e-6
             };
-            let (of_a, of_b) = (a.springs(got.by_misfit[0]), b.springs(got.by_misfit[1]));
-            let (pull_a, differs_a) = got.edges_a.followed(&a.now());
-            let (pull_b, differs_b) = got.edges_b.followed(&b.now());
-            let whole = |moment, differs, of: &EdgeSprings<f64>| plus(&plus(moment, 1.0, differs), 1.0, &of.moment);
-            let moments = [whole(&got.moment_a, &differs_a, &of_a), whole(&got.moment_b, &differs_b, &of_b)];
+            let edges = [a.edges(&got.edges_a), b.edges(&got.edges_b)];
+            let moments = [plus(&got.moment_a, 1.0, &edges[0].moment), plus(&got.moment_b, 1.0, &edges[1].moment)];
             let stress = [stress_of_moment(&moments[0], &a.f), stress_of_moment(&moments[1], &b.f)];
-            let sides = [(pull_a, of_a, &a), (pull_b, of_b, &b)].map(|(pull, springs, cell)| {
-                let OnSides { low, high } = pull.on_sides(&cell.facet, &cell.f);
-                OnSides { low: plus(&low, 1.0, &springs.sides.low), high: plus(&high, 1.0, &springs.sides.high) }
-            });
+            let sides = edges.map(|of| of.sides);
             for k in 0..2 {
                 let sign = [1.0, -1.0][k];
                 for i in 0..within {
@@ -212,7 +206,7 @@ fn stretched_edges_make_the_contact_firmer_and_let_go() {
     shifts.high[0] = [0.02, 0.3, 0.0];
     let now = Facet::now([0.0; 3], &wide, &planar).shifted(&planar, &wide, &shifts);
     assert!((now.misfit - energy).abs() < 1e-15, "{}", now.misfit);
-    let springs = EdgeSprings::of(&planar, &wide, &shifts, 5.0);
+    let springs = springs(&planar, &wide, &shifts, 5.0);
     assert!((springs.sides.high[0][0] + 5.0 * slope / 2.0).abs() < 1e-12, "{springs:?}");
     assert!((springs.stiffness - 0.5 * 5.0 * (stiffness + 400.0) / 4.0).abs() < 1e-10, "{springs:?}");
 }
