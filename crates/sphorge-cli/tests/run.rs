@@ -28,8 +28,10 @@ fn run_and_check_tell_of_a_spacing_that_does_not_fit() {
     let spacing = ["plate.toml", "--set", "particles.spacing=\"1.15 mm\""];
     for command in ["check", "run"] {
         let ended = place.run(&[&[command], &spacing[..]].concat()).expect_code(0);
-        ended
-            .expect_told(&["body `plate`: its particles have 1.3 % more mass than its shape", "fit better: 1.1429 mm"]);
+        ended.expect_told(&[
+            "note: line 15: body `plate`: its particles have 1.3 % more mass than its shape",
+            "fit better: 1.1429 mm",
+        ]);
         assert!(ended.out.contains("1.254 %"), "{}", ended.out);
     }
     let body = &place.summary("out/plate")["bodies"][0];

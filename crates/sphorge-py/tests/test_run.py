@@ -208,3 +208,22 @@ def test_formats_that_there_are_not_are_told_with_those_that_there_are(deck):
     # An animation may be asked for by the format that it has.
     assert run.plot("pressure", animate=True, format="png", frames=[0, 1]).data.count(b"fcTL") == 2
     assert run.plot("pressure", format="svg").data.startswith(b"<svg")
+
+
+def test_the_picture_of_a_frame_of_heat_alone_is_of_the_temperature(deck):
+    assert b"plastic strain" in sp.Simulation(deck, out="a", threads=1).run().frames[-1].plot(format="svg").data
+    for k, key in enumerate(["mechanics", '"mechanics"']):
+        text = f"""
+            dimensions = "plane-strain"
+            particles = {{ spacing = "1 mm" }}
+            time = {{ end = "0.1 ms" }}
+            thermal = {{ {key} = false }}
+            [material.ofhc-copper]
+            conductivity = 400
+            [[body]]
+            name = "plate"
+            material = "ofhc-copper"
+            shape = {{ box = {{ min = [0, 0], max = ["4 mm", "4 mm"] }} }}
+        """
+        picture = sp.Simulation(sp.Deck.from_text(text), out=f"heat{k}", threads=1).run().frames[-1].plot(format="svg").data
+        assert b"temperature" in picture and b"plastic strain" not in picture

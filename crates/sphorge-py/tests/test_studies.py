@@ -127,10 +127,10 @@ def test_what_there_is_to_note_of_runs_is_told_with_the_study(deck):
     deck["time.max-steps"] = 2
     found = sp.convergence(deck, ["1 mm", "3 mm", "7 mm"], out="c")
     assert set(found.notes) == {"particles.spacing=3mm", "particles.spacing=7mm"} and "mass than its shape" in found.notes["particles.spacing=7mm"][0]
-    note = r"note: particles\.spacing=7mm: (line \d+: )?body `plate`"
-    assert repr(found).count("mass than its shape") == 2 and re.search(note, repr(found)), repr(found)
+    # What was set has moved the lines of the deck.
+    assert repr(found).count("mass than its shape") == 2 and "note: particles.spacing=7mm: body `plate`" in repr(found)
     told = subprocess.run([sys.executable, "-m", "sphorge", "convergence", "c/particles.spacing=1mm.toml", "--spacing", "1 mm,7 mm", "-o", "d"], capture_output=True, text=True)
-    assert told.returncode == 0 and re.search(note, told.stderr), told.stderr
+    assert told.returncode == 0 and re.search(r"note: particles\.spacing=7mm: line \d+: body `plate`", told.stderr), told.stderr
 
 
 def test_too_many_runs_are_counted_and_not_made_ready(here, deck):

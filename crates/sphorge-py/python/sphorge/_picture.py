@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import os
-import re
 import shutil
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -12,6 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from . import _sphorge
+from ._deck import Deck
+from ._errors import SphorgeError
 from ._run import _needs
 from ._words import there_is_no
 
@@ -22,10 +23,10 @@ FIELDS = ("plastic_strain", "von_mises_stress", "pressure", "temperature", "velo
 def usual_fields(run: Path) -> tuple[str, ...]:
     """The same for the run in a folder: where bodies do not move only the temperature is not zero."""
     try:
-        deck = (run / "deck.toml").read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError):
+        moves = Deck(run / "deck.toml")["thermal.mechanics"]
+    except (KeyError, OSError, SphorgeError):
         return FIELDS
-    return ("temperature",) if re.search(r"(?m)^[^#\n]*\bmechanics\s*=\s*false", deck) else FIELDS
+    return FIELDS if moves else ("temperature",)
 
 
 #: Options that say how something is drawn, by the option that says what.
