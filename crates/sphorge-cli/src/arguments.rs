@@ -1,7 +1,10 @@
 //! The command line as a whole; each command declares its own arguments in [`crate::commands`].
 
 use crate::{commands::*, failure::Ending, terminal};
-use clap::{Parser, Subcommand};
+use clap::{
+    Parser, Subcommand,
+    error::{ContextKind, ContextValue, ErrorKind},
+};
 use sphorge::deck::moves_the_cursor;
 use std::ffi::OsString;
 
@@ -16,7 +19,38 @@ pub(crate) fn refuse(error: &clap::Error, given: &[OsString]) -> u8 {
         let text = error.render().to_string();
         terminal::note_lines(text.trim_end());
     }
+    if let Some(tip) = unquoted(error, given) {
+        terminal::note(&tip);
+    }
     u8::try_from(error.exit_code()).unwrap_or(2)
+}
+
+/// What to say where a word is left over that follows a value of `--set`: a value with blanks that the shell has taken apart.
+fn unquoted(error: &clap::Error, given: &[OsString]) -> Option<String> {
+    if error.kind() != ErrorKind::UnknownArgument {
+        return None;
+    }
+    let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidArg) else { return None };
+    // Of a negative number clap gives the first digit, as if it were a short option.
+    let is_it =
+        |text: &str| text == word || (word.len() == 2 && !text.starts_with("--") && text.starts_with(word.as_str()));
+    let at = given.iter().position(|argument| argument.to_str().is_some_and(is_it))?;
+    let from = given[..at]
+        .iter()
+        .rposition(|argument| argument.to_str().is_some_and(|text| text == "--set" || text.starts_with("--set=")))?;
+    let pieces = given[from..].iter().map(|piece| piece.to_str()).collect::<Option<Vec<_>>>()?;
+    // To the next option; what the word follows is the value, if no option lies between.
+    let end = pieces
+        .iter()
+        .skip(1)
+        .position(|piece| piece.starts_with('-') && !piece.contains(char::is_numeric))
+        .map_or(pieces.len(), |k| k + 1);
+    let value = pieces[..end].join(" ");
+    let (key, value) = value.strip_prefix("--set")?.trim_start_matches(['=', ' ']).split_once('=')?;
+    // The shell has taken the quotes in a list away, too.
+    let value = if value.starts_with('[') { "[\"...\", \"...\"]" } else { value };
+    (at - from < end)
+        .then(|| format!("A value with blanks needs quotes, or the shell takes it apart: --set '{key}={value}'"))
 }
 
 /// The program `sphorge`.

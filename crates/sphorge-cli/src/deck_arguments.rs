@@ -4,6 +4,7 @@ use crate::{failure::Failure, memory};
 use clap::{Args, ValueEnum};
 use sphorge::deck::{self, DeckReport, Setup};
 use sphorge::decks::{self, ShippedDeck};
+use sphorge::output::RunDirectory;
 use std::path::{Path, PathBuf};
 
 /// A deck with changes.
@@ -58,6 +59,7 @@ impl DeckArguments {
         let name = self.deck.file_stem().unwrap_or(self.deck.as_os_str()).to_string_lossy().into_owned();
         let bare = self.deck.components().count() == 1;
         let source = match decks::find(&name).filter(|_| bare) {
+            _ if self.deck.is_dir() => return Err(is_a_folder(&self.deck)),
             _ if self.deck.exists() => Source::File(self.deck),
             Some(shipped) => Source::Shipped(shipped),
             None => return Err(missing(&self.deck, &name)),
@@ -122,6 +124,36 @@ impl FoundDeck {
         Err(Failure::bad_input(what, "leave out its `--set`, or `--precision`"))
     }
 }
+
+/// Says what a folder holds that was given in place of a deck.
+fn is_a_folder(path: &Path) -> Failure {
+    if let Ok(run) = RunDirectory::open(path) {
+        let (run, deck) = (run.path().display(), path.join("deck.toml"));
+        return Failure::bad_input(
+            format!("{run} is the folder of a run, not a deck"),
+            format!(
+                "`sphorge resume {run}` continues the run; `sphorge run {} -o DIR` runs its deck again",
+                deck.display()
+            ),
+        );
+    }
+    let entries = std::fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path());
+    let mut decks: Vec<PathBuf> =
+        entries.filter(|path| path.extension().is_some_and(|ending| ending == "toml")).collect();
+    decks.sort();
+    let few: Vec<String> = decks.iter().take(MOST_LISTED).map(|deck| format!("`{}`", deck.display())).collect();
+    let help = match decks.len().saturating_sub(MOST_LISTED) {
+        _ if decks.is_empty() => {
+            "give the path of a deck file, or the name of a shipped deck: `sphorge decks` lists them".to_owned()
+        }
+        0 => format!("give the path of a deck file: in this folder are {}", few.join(", ")),
+        more => format!("give the path of a deck file: in this folder are {} and {more} more", few.join(", ")),
+    };
+    Failure::bad_input(format!("{} is a folder, not a deck", path.display()), help)
+}
+
+/// Most decks that are listed.
+const MOST_LISTED: usize = 8;
 
 fn missing(path: &Path, name: &str) -> Failure {
     let near = decks::like(name);

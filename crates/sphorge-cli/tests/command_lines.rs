@@ -76,6 +76,11 @@ fn what_is_told_of_bad_command_lines_is_what_was_read_in_a_review() {
     fs::write(place.path("no-text.toml"), b"title = \"\xff\xfe\"\n").unwrap();
     fs::write(place.path("long-line.toml"), format!("title = \"{}\n", "a".repeat(1_000_000))).unwrap();
     fs::create_dir(place.path("folder")).unwrap();
+    fs::create_dir(place.path("decks-here")).unwrap();
+    fs::write(place.path("decks-here/one.toml"), "title = \"one\"\n").unwrap();
+    fs::write(place.path("decks-here/two.toml"), "title = \"two\"\n").unwrap();
+    place.run(&["run", "heat-slab", "--set", "time.max-steps=2", "-o", "runs/bar", "--quiet"]).expect_code(0);
+    place.run(&["run", "heat-slab", "--set", "time.max-steps=2", "-o", "a-run", "--quiet"]).expect_code(0);
     let mut changed = Vec::new();
     for path in files {
         let expected = fs::read_to_string(&path).unwrap();

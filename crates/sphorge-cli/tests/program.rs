@@ -135,7 +135,7 @@ fn a_run_is_drawn_and_compared() {
     place.run(&["plot", "a", "--field", "body", "--section=x at 1 s"]).expect_code(2).expect_told(&["a length"]);
     place.run(&["plot", "a", "--field", "body", "-o", "b.csv"]).expect_code(2).expect_told(&["not written as numbers"]);
     place.run(&["plot", "a", "--field", "stres"]).expect_code(2).expect_told(&["no field `stres`", "von_mises_stress"]);
-    place.run(&["plot", "nowhere"]).expect_code(2).expect_told(&["cannot read nowhere"]);
+    place.run(&["plot", "nowhere"]).expect_code(2).expect_told(&["nowhere is not the folder of a run"]);
     place.run(&["plot", "a", "--section"]).expect_code(2);
     let timed =
         ["plot", "a", "--field", "pressure", "--time", "1 us", "--range=-1,1GPa", "--format", "svg", "--dpi", "50"];
@@ -187,7 +187,7 @@ fn a_run_is_drawn_and_compared() {
     let json = place.run(&["compare", "a", "b", "--json"]).expect_code(0).out;
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(json["runs"], serde_json::json!(["a", "b"]));
-    place.run(&["compare", "a", "nowhere"]).expect_code(2).expect_told(&["cannot read nowhere"]);
+    place.run(&["compare", "a", "nowhere"]).expect_code(2).expect_told(&["nowhere is not the folder of a run"]);
 }
 
 #[test]

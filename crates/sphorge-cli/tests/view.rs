@@ -197,7 +197,7 @@ fn a_run_that_grows_vanishes_and_comes_back_is_seen_as_it_is() {
     assert_eq!(served.get("run/0/frame/4/array/pressure").0, 200);
     fs::rename(&folder, place.path("out/away")).unwrap();
     let gone = &served.json("runs.json")[0];
-    assert!(gone["error"].as_str().unwrap().contains("cannot read"), "{gone}");
+    assert!(gone["error"].as_str().unwrap().contains("it does not exist"), "{gone}");
     assert_eq!((served.get("").0, served.get("run/0/frame/4/array/pressure").0), (200, 404));
     fs::rename(place.path("out/away"), &folder).unwrap();
     assert_eq!(served.frames(), 5);
@@ -246,9 +246,9 @@ fn bad_input_is_refused_with_what_was_meant() {
     let taken = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = taken.local_addr().unwrap().port().to_string();
     let cases: [(&[&str], &[&str]); 21] = [
-        (&["nowhere"], &["cannot read nowhere", "is this the folder of a run?"]),
-        (&["plate.toml"], &["cannot read plate.toml", "not a folder"]),
-        (&["empty"], &["empty is not the folder of a run", "out/iron-plate"]),
+        (&["nowhere"], &["nowhere is not the folder of a run: it does not exist", "out/plate"]),
+        (&["plate.toml"], &["plate.toml is not the folder of a run", "may be out/plate"]),
+        (&["empty"], &["empty is not the folder of a run", "out/plate"]),
         (&["out/plate", "empty"], &["empty is not the folder of a run"]),
         (&["out/plate", "--field", "presure"], &["no field `presure`", "did you mean `pressure`"]),
         (&["out/plate", "--field", "stress.xq"], &["no field `stress.xq`"]),
@@ -256,7 +256,7 @@ fn bad_input_is_refused_with_what_was_meant() {
         (&["out/plate", "--column", "hight"], &["no column `hight`", "did you mean `height`"]),
         (&["out/plate", "--frame", "9"], &["there is no frame 9", "the run has frames 0 to 4"]),
         (&["out/plate", "--mirror"], &["no plane of symmetry"]),
-        (&["out"], &["not the folder of a run", "name runs in it: out/plate"]),
+        (&["out"], &["not the folder of a run", "give one of the runs in it: out/plate"]),
         (&["out/plate", "--field", "pressure", "--range", "2,1 GPa"], &["the first value is not the smaller one"]),
         (
             &["out/plate", "--range", "2,1"],

@@ -258,6 +258,6 @@ mod tests {
         assert!(matches!(Comparison::read(std::slice::from_ref(&run)), Err(OutputError::Read { .. })));
         fs::write(run.join("deck.toml"), "").unwrap();
         assert!(matches!(Comparison::read(&[run]), Err(OutputError::NotEnded { .. })));
-        assert!(matches!(Comparison::read(&[folder.path().join("none")]), Err(OutputError::Read { .. })));
+        assert!(matches!(Comparison::read(&[folder.path().join("none")]), Err(OutputError::NoRun { .. })));
     }
 }

@@ -6,6 +6,7 @@ use sphorge::{
     particles::find_field,
     plot::{ColorMap, Mirror, PictureFormat, Section},
 };
+use std::path::PathBuf;
 
 /// Colours.
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -68,6 +69,27 @@ pub(crate) fn parse_section(text: &str) -> Result<Section, String> {
 
 pub(crate) fn parse_mirror(text: &str) -> Result<Mirror, String> {
     if text == "halving" { Ok(Mirror::Halving) } else { text.parse() }
+}
+
+/// Refuses what is no folder and follows an option that takes its value by `=` alone: `--section y` for `--section=y`.
+pub(crate) fn refuse_planes_as_folders(
+    directories: &[PathBuf],
+    section: Option<&Section>,
+    mirror: Option<&Mirror>,
+) -> Result<(), Failure> {
+    let missing = directories.iter().filter(|path| !path.exists()).filter_map(|path| path.to_str());
+    for word in missing {
+        let option = if section == Some(&Section::Middle) && parse_section(word).is_ok() {
+            "--section"
+        } else if mirror == Some(&Mirror::Halving) && parse_mirror(word).is_ok() {
+            "--mirror"
+        } else {
+            continue;
+        };
+        let what = format!("there is no run folder `{word}`; `{option}` takes its value by `=`");
+        return Err(Failure::bad_input(what, format!("write {option}=\"{word}\"")));
+    }
+    Ok(())
 }
 
 pub(crate) fn parse_range(text: &str, field: &str) -> Result<(f64, f64), Failure> {

@@ -2,7 +2,7 @@
 
 use crate::{
     commands::{
-        picture_arguments::{ColorArgument, parse_mirror, parse_range, parse_section},
+        picture_arguments::{ColorArgument, parse_mirror, parse_range, parse_section, refuse_planes_as_folders},
         plot_quantities::{read_quantities, read_width},
     },
     failure::{Ending, Failure, Outcome},
@@ -206,6 +206,7 @@ pub(crate) fn execute(arguments: &PlotArguments) -> Ending {
 
 /// Draws what is asked for, and returns the files.
 pub(crate) fn draw(arguments: &PlotArguments) -> Result<Vec<PathBuf>, Failure> {
+    refuse_planes_as_folders(&arguments.directories, arguments.section.as_ref(), arguments.mirror.as_ref())?;
     let open = |path: &PathBuf| {
         let run = RunDirectory::open(path).map_err(|error| Failure::BadInput(error.into()))?;
         // The folder itself, where the path says `..`.

@@ -2,7 +2,7 @@
 
 use crate::{
     browser,
-    commands::picture_arguments::{ColorArgument, parse_mirror, parse_range, parse_section},
+    commands::picture_arguments::{ColorArgument, parse_mirror, parse_range, parse_section, refuse_planes_as_folders},
     failure::{Ending, Failure, Outcome},
     terminal,
 };
@@ -103,6 +103,7 @@ fn parse_size(text: &str) -> Result<Size, String> {
 }
 
 pub(crate) fn execute(arguments: &ViewArguments) -> Ending {
+    refuse_planes_as_folders(&arguments.directories, arguments.section.as_ref(), arguments.mirror.as_ref())?;
     let range = match &arguments.range {
         Some(text) => Some(parse_range(text, &first_field(arguments)?)?),
         None => None,

@@ -416,7 +416,7 @@ mod tests {
     }
 
     fn written(folder: &Path, mut step: u64) -> PathBuf {
-        let directory = RunDirectory::open(folder).unwrap();
+        let directory = RunDirectory::at(folder);
         let about = About::new("cpu", "bar", step, 1e-6);
         let state = |archive: &mut dyn Archive| {
             column().persist("column", archive)?;
@@ -430,7 +430,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         for step in [7, 90, 100_000] {
             written(folder.path(), step);
-            remove_former_checkpoints(&RunDirectory::open(folder.path()).unwrap()).unwrap();
+            remove_former_checkpoints(&RunDirectory::at(folder.path())).unwrap();
         }
         let kept = checkpoints(folder.path()).unwrap();
         assert_eq!(kept.iter().map(|(step, _)| *step).collect::<Vec<_>>(), [100_000, 90]);
@@ -520,7 +520,7 @@ mod tests {
     #[test]
     fn another_format_and_other_files_are_refused() {
         let folder = tempfile::tempdir().unwrap();
-        let directory = RunDirectory::open(folder.path()).unwrap();
+        let directory = RunDirectory::at(folder.path());
         let about = About { format: FORMAT + 1, ..About::new("cpu", "bar", 3, 0.0) };
         let path = write_checkpoint(&directory, &about, "", 1, |_| Ok(())).unwrap().unwrap();
         let Err(OutputError::Damaged { reason, .. }) = Checkpoint::open(&path) else { panic!("it is opened") };

@@ -9,6 +9,7 @@ use super::{
     folder::{Folder, Kind},
     lock::{LOCK, is_locked_by_another, seems_held},
     mark::{MARK, Mark, Marked, add_picture},
+    no_run::NoRun,
     pieces::remove_pieces,
     regular_file,
     sum::{Sum, sum_in, sum_of},
@@ -87,13 +88,18 @@ impl RunDirectory {
     /// Names an existing run folder for reading.
     ///
     /// # Errors
-    /// [`OutputError::Read`] if there is no such folder.
+    /// [`OutputError::NoRun`] if there is no folder or one in which no run has written anything; [`OutputError::Read`] if it cannot be looked into.
     pub fn open(path: &Path) -> Result<Self, OutputError> {
-        if fs::metadata(path).reading(path)?.is_dir() {
-            Ok(Self { path: path.to_owned(), held: None })
-        } else {
-            Err(io::Error::new(io::ErrorKind::NotADirectory, "not a folder")).reading(path)
+        if let Some(found) = NoRun::at(path) {
+            return Err(OutputError::NoRun { path: path.to_owned(), found });
         }
+        fs::read_dir(path).reading(path)?;
+        Ok(Self::at(path))
+    }
+
+    /// The same without a look at what is there.
+    pub(crate) fn at(path: &Path) -> Self {
+        Self { path: path.to_owned(), held: None }
     }
 
     /// Whether a folder has the mark that only a run writes.
@@ -121,11 +127,16 @@ impl RunDirectory {
         match fs::symlink_metadata(path) {
             Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(()),
             Err(source) => Err(OutputError::Unwritable { path: path.to_owned(), source }),
-            Ok(_) if !overwrite && Self::has_taken_no_step(path) => Ok(()),
-            Ok(_) if !overwrite => Err(OutputError::Exists { path: path.to_owned() }),
+            Ok(_) if !overwrite && Self::may_be_taken(path) => Ok(()),
+            Ok(_) if is_run_or_empty(path) && !overwrite => Err(OutputError::Exists { path: path.to_owned() }),
             Ok(_) if is_run_or_empty(path) => Ok(()),
             Ok(_) => Err(OutputError::NotARun { path: path.to_owned() }),
         }
+    }
+
+    /// Whether a new run may write to a folder without being told to overwrite: nothing of anybody's is in it.
+    fn may_be_taken(path: &Path) -> bool {
+        Folder::open(path).is_ok_and(|folder| is_empty(&folder)) || Self::has_taken_no_step(path)
     }
 
     /// Whether a folder is that of a run which was stopped before its first step: there is nothing in it to go on from, or to lose.
@@ -141,7 +152,7 @@ impl RunDirectory {
     /// Makes the folder of a new run, still without a deck. A run there that has taken no step is replaced. With `overwrite`, the files of a former run in it are removed, and no others.
     ///
     /// # Errors
-    /// [`OutputError::Exists`] if there is anything at `path` and `overwrite` is false; [`OutputError::NotARun`] if it is
+    /// [`OutputError::Exists`] if the folder of a run is at `path` and `overwrite` is false; [`OutputError::NotARun`] if what is there is
     /// neither empty nor the folder of a run; [`OutputError::Locked`] if another run writes to it; [`OutputError::Unwritable`] if it
     /// cannot be made or written to.
     pub fn create(path: &Path, overwrite: bool) -> Result<Self, OutputError> {
@@ -151,7 +162,7 @@ impl RunDirectory {
     /// The same with its deck, which replaces that of a former run before anything of it is removed. `by_force` takes the lock from whoever has it.
     pub(crate) fn begin(path: &Path, overwrite: bool, by_force: bool, deck: Option<&str>) -> Result<Self, OutputError> {
         Self::check(path, overwrite)?;
-        let overwrite = overwrite || Self::has_taken_no_step(path);
+        let overwrite = overwrite || Self::may_be_taken(path);
         let unwritable = |source| OutputError::Unwritable { path: path.to_owned(), source };
         if let Some(parent) = path.parent() {
             fs::create_dir_all(parent).map_err(unwritable)?;
@@ -362,7 +373,12 @@ impl RunDirectory {
 
     /// Whether there is a state the run can go on from.
     pub fn has_checkpoint(&self) -> bool {
-        fs::read_dir(&self.path).is_ok_and(|mut entries| {
+        Self::has_checkpoint_in(&self.path)
+    }
+
+    /// The same of a path.
+    pub(super) fn has_checkpoint_in(path: &Path) -> bool {
+        fs::read_dir(path).is_ok_and(|mut entries| {
             entries.any(|entry| entry.is_ok_and(|entry| entry.file_name().to_str().is_some_and(is_checkpoint)))
         })
     }

@@ -1,27 +1,25 @@
 //! What can go wrong with files of a run.
 
+use super::no_run::NoRun;
 use crate::engine::RunFailure;
 use std::{io, path::PathBuf};
 
 /// Trouble with a run folder or a file in it.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum OutputError {
-    /// The folder is there and overwriting was not asked for. Nothing was touched.
-    #[error("the output folder {} exists already", path.display())]
+    /// A run is there and overwriting was not asked for. Nothing was touched.
+    #[error("a run in the folder {} exists already", path.display())]
     #[diagnostic(
         code(sphorge::output::exists),
-        help("choose another folder with `-o DIR`, or pass `--overwrite` to replace the run in this one")
+        help("choose another folder with `-o DIR`, or pass `--overwrite` to replace the run; `sphorge resume {}` continues it", path.display())
     )]
     Exists {
         /// The folder.
         path: PathBuf,
     },
-    /// Overwriting was asked for, but the folder holds files that no run wrote. Nothing was touched.
+    /// Something is there that no run wrote, whether overwriting was asked for or not. Nothing was touched.
     #[error("{} is not the folder of a run, it will not be overwritten", path.display())]
-    #[diagnostic(
-        code(sphorge::output::not_a_run),
-        help("choose a folder that does not exist yet with `-o DIR`, or remove this one yourself")
-    )]
+    #[diagnostic(code(sphorge::output::not_a_run), help("choose a folder that does not exist yet with `-o DIR`"))]
     NotARun {
         /// The folder.
         path: PathBuf,
@@ -102,6 +100,15 @@ pub enum OutputError {
     NotEnded {
         /// The folder.
         path: PathBuf,
+    },
+    /// Where the folder of a run was expected is none.
+    #[error("{} is not the folder of a run: {}", path.display(), found.what())]
+    #[diagnostic(code(sphorge::output::no_run), help("{}", found.help()))]
+    NoRun {
+        /// Where.
+        path: PathBuf,
+        /// What is there in its place.
+        found: NoRun,
     },
     /// A file could not be read.
     #[error("cannot read {}", path.display())]

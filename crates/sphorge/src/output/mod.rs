@@ -11,6 +11,7 @@ mod history;
 mod history_read;
 mod lock;
 mod mark;
+mod no_run;
 mod numbered;
 mod pieces;
 pub(crate) mod regular_file;
@@ -30,6 +31,7 @@ pub use error::OutputError;
 pub use history::{HistoryColumn, measure_unit};
 pub(crate) use history::{field_unit, mass_unit};
 pub use history_read::HistoryTable;
+pub use no_run::NoRun;
 pub use series::{SeriesEntry, read_series};
 pub use summary::{
     AuditRecord, BodyRecord, DrivenRecord, EndReason, EnergyRecord, FailureRecord, MemoryOf, StageSecondsRecord,

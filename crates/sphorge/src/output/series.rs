@@ -164,7 +164,7 @@ mod tests {
     #[test]
     fn many_frames_are_not_each_a_replacement_of_the_list_and_none_is_left_out() {
         let folder = tempfile::tempdir().unwrap();
-        let run = RunDirectory::open(folder.path()).unwrap();
+        let run = RunDirectory::at(folder.path());
         let entry = |k: usize| SeriesEntry { time: 1e-6 * k as f64, file: RunDirectory::frame_name(k, false) };
         let mut entries = Vec::new();
         let mut series = SeriesWriter::new();

@@ -584,7 +584,7 @@ mod tests {
     #[test]
     fn summaries_of_a_later_form_are_refused_and_those_without_one_are_read() {
         let folder = tempfile::tempdir().unwrap();
-        let run = RunDirectory::open(folder.path()).unwrap();
+        let run = RunDirectory::at(folder.path());
         Summary { format: Summary::FORMAT + 1, ..full() }.write(&run).unwrap();
         let Err(OutputError::Damaged { reason, .. }) = Summary::read(&run) else { panic!("it is read") };
         assert_eq!(reason, "its format is 2; this program reads up to 1");

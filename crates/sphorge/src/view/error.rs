@@ -14,15 +14,6 @@ pub enum ViewError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Plot(#[from] PlotError),
-    /// The folder holds no run.
-    #[error("{} is not the folder of a run: it has no `fields.pvd`", path.display())]
-    #[diagnostic(code(sphorge::view::not_a_run), help("{help}"))]
-    NotARun {
-        /// The folder.
-        path: PathBuf,
-        /// What to name in its place.
-        help: String,
-    },
     /// The port is taken, or not allowed.
     #[error("cannot listen on port {port} of 127.0.0.1")]
     #[diagnostic(code(sphorge::view::port), help("{}", port_help(*port)))]

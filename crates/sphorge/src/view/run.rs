@@ -11,7 +11,7 @@ use crate::{
     cells::{JoinedCells, Nodes, drawn_gradients},
     deck::load_model,
     model::{Formulation, Model},
-    output::{FrameFile, HistoryTable, OutputError, RunDirectory, SERIES, Summary, read_series},
+    output::{FrameFile, HistoryTable, OutputError, RunDirectory, Summary, read_series},
     particles::find_field,
     plot::{
         Derived, FrameChoice, Mirror, Missed, PlotError, Section, View, body_number, default_fields, field_label,
@@ -25,8 +25,6 @@ use std::{
 
 /// Positions of the particles, which are no field.
 pub(super) const POSITION: &str = "position";
-/// Runs that are named where a folder holds several.
-const MOST_NAMED: usize = 12;
 /// Field with the number of the body.
 pub(super) const BODY: &str = "body";
 
@@ -73,12 +71,9 @@ impl ViewedRun {
     /// A run that has written something.
     ///
     /// # Errors
-    /// [`ViewError::Output`] without such a folder, [`ViewError::NotARun`] if no run has written to it.
+    /// [`ViewError::Output`] without such a folder, or if no run has written to it.
     pub(super) fn open(path: &Path) -> Result<Self, ViewError> {
-        let directory = RunDirectory::open(path)?;
-        if directory.identity().is_none() && !path.join(SERIES).is_file() {
-            return Err(ViewError::NotARun { path: path.to_owned(), help: runs_inside(path) });
-        }
+        RunDirectory::open(path)?;
         Ok(Self::awaited(path))
     }
 
@@ -382,21 +377,6 @@ impl ViewedRun {
             choice.pick(&series)?;
         }
         self.history.check(&directory, &settings.columns)
-    }
-}
-
-/// What to name where a folder is none of a run: the runs in it, if there are any.
-fn runs_inside(path: &Path) -> String {
-    let inside = std::fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path());
-    let is_run = |path: &PathBuf| RunDirectory::is_run(path) || path.join(SERIES).is_file();
-    let mut runs: Vec<String> = inside.filter(is_run).map(|run| run.display().to_string()).collect();
-    runs.sort();
-    let others = runs.len().saturating_sub(MOST_NAMED);
-    runs.truncate(MOST_NAMED);
-    match (runs.is_empty(), others) {
-        (true, _) => "name a folder that `sphorge run` writes to, such as out/iron-plate".to_owned(),
-        (false, 0) => format!("name runs in it: {}", runs.join(", ")),
-        (false, _) => format!("name runs in it: {} and {others} others", runs.join(", ")),
     }
 }
 

@@ -84,7 +84,7 @@ impl Viewer {
     /// Takes a port of this machine, 0 for any that is free, to show the runs of some folders, which must have one each.
     ///
     /// # Errors
-    /// [`ViewError::Output`] or [`ViewError::NotARun`] for a folder without a run, [`ViewError::Plot`] for a field, body, column or frame that a run
+    /// [`ViewError::Output`] for a folder without a run, [`ViewError::Plot`] for a field, body, column or frame that a run
     /// does not have, [`ViewError::Port`] if the port cannot be taken.
     pub fn open(folders: &[PathBuf], settings: ViewSettings, port: u16) -> Result<Self, ViewError> {
         let runs = ViewedRun::open_all(folders)?;

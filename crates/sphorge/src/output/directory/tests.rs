@@ -41,9 +41,14 @@ fn a_run_that_has_taken_no_step_is_in_nobodys_way() {
 #[test]
 fn an_existing_folder_is_refused_untouched() {
     let folder = tempfile::tempdir().unwrap();
+    let refused = || RunDirectory::create(folder.path(), false).unwrap_err();
+    drop(RunDirectory::create(folder.path(), false).unwrap());
+    assert!(matches!(refused(), OutputError::Exists { .. }));
+    let folder = tempfile::tempdir().unwrap();
+    let refused = || RunDirectory::create(folder.path(), false).unwrap_err();
     fs::write(folder.path().join("summary.json"), "old").unwrap();
-    let refused = RunDirectory::create(folder.path(), false);
-    assert!(matches!(refused, Err(OutputError::Exists { .. })));
+    // `--overwrite` would not help: it is not advised.
+    assert!(matches!(refused(), OutputError::NotARun { .. }));
     assert_eq!(names(folder.path()), ["summary.json"]);
 }
 
