@@ -2,7 +2,7 @@
 
 use sphorge_engine::Particles;
 use sphorge_engine::model::{
-    Body, BodyContact, Dimensions, Formulation, Integrator, Model, Precision, Search, WallSurface,
+    Body, BodyContact, Dimensions, Formulation, Integrator, Model, Precision, Search, SymmetryPlane, WallSurface,
 };
 use sphorge_physics::damage::AfterFailure;
 use sphorge_physics::flow::FlowState;
@@ -114,6 +114,7 @@ fn thrown_back(model: &Model, particles: &Particles) -> Vec<String> {
     };
     let impacts = impacts(model, particles).into_iter().enumerate().filter(splashes);
     impacts
+        .filter(|(index, _)| !is_enclosed(model, &model.bodies[*index]))
         .map(|(_, Impact { body, speed, .. })| {
             format!(
                 "body `{body}` has no strength and meets what it strikes at {speed:.0} m/s: it splashes. In the total Lagrangian form a fluid \
@@ -121,6 +122,20 @@ fn thrown_back(model: &Model, particles: &Particles) -> Vec<String> {
             )
         })
         .collect()
+}
+
+/// Whether a body fills what is between two planes of symmetry, or all of a period, along all axes but one: nothing of it can splash.
+fn is_enclosed(model: &Model, body: &Body) -> bool {
+    let (low, high) = body.shape.bounds(model.dimensions);
+    let ends = |axis: usize, side: f64, at: f64| {
+        let is_there = |plane: &SymmetryPlane| {
+            plane.axis == axis && plane.side == side && (plane.position - at).abs() < 0.5 * body.spacing
+        };
+        model.symmetry.iter().any(is_there)
+    };
+    let is_held =
+        |axis: usize| model.periodic[axis].is_some() || ends(axis, 1.0, low[axis]) && ends(axis, -1.0, high[axis]);
+    (0..model.dimensions.count()).filter(|axis| is_held(*axis)).count() + 1 >= model.dimensions.count()
 }
 
 fn method(model: &Model) -> String {
@@ -573,6 +588,11 @@ mod tests {
         // It flows, and does not splash; what flies away strikes nothing.
         assert_eq!(bird(&[("body.bird.velocity.1", "-10 m/s")]), [""; 0]);
         assert!(!bird(&[("body.bird.velocity.1", "116 m/s")]).join("").contains("splashes"));
+        // Nor does what fills all that is between two planes of symmetry.
+        let between =
+            |side: &str| format!("[{{ axis = \"x\" }}, {{ axis = \"x\", at = \"{side} mm\", side = \"negative\" }}]");
+        assert_eq!(bird(&[("symmetry", &between("16"))]), [""; 0]);
+        assert!(bird(&[("symmetry", &between("20"))]).join("").contains("splashes"));
     }
 
     #[test]

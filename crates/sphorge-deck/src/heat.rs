@@ -23,7 +23,32 @@ pub(crate) fn check_faces(model: &Model, particles: &Particles, places: &SourceS
 pub(crate) fn notes(model: &Model, particles: &Particles, without_conductivity: &[String]) -> Vec<String> {
     let of_materials =
         (0..model.materials.len()).filter_map(|m| no_conduction(model, particles, m, without_conductivity));
-    of_materials.chain(side_faces(model, particles)).chain(without_expansion(model)).chain(too_short(model)).collect()
+    of_materials
+        .chain(side_faces(model, particles))
+        .chain(without_expansion(model))
+        .chain(too_short(model))
+        .chain(not_asked_for(model))
+        .collect()
+}
+
+/// Bodies of unequal temperatures between which heat would have the time to flow, in a run without any conduction.
+fn not_asked_for(model: &Model) -> Option<String> {
+    if model.thermal.conduction {
+        return None;
+    }
+    let has_time = |index: usize| {
+        let body = &model.bodies[index];
+        model.materials[body.material].conductivity > 0.0 && time_to_the_next(model, body) < model.time.end
+    };
+    let differ = |(a, b): &(usize, usize)| (model.bodies[*a].temperature - model.bodies[*b].temperature).abs() > 1.0;
+    let (a, b) = model.contact_pairs().into_iter().find(|pair| differ(pair) && has_time(pair.0) && has_time(pair.1))?;
+    let of = |index: usize| format!("`{}` ({:.0} K)", model.bodies[index].name, model.bodies[index].temperature);
+    Some(format!(
+        "no heat flows between bodies {} and {}, and none within them: the deck has no [thermal] table; add one, with `mechanics = false` for heat alone, or \
+         leave out `conductivity` if that is meant",
+        of(a),
+        of(b)
+    ))
 }
 
 /// A material without conductivity, where heat is to flow: it takes none of surroundings, either. One whose conductivity of zero is stated
@@ -73,17 +98,23 @@ fn no_conduction(
 /// Share of the time that heat takes from one particle to the next within which none has moved.
 const NO_TIME: f64 = 0.1;
 
+/// Time that heat takes from one particle to the next, s: `d^2 / a`, with the spacing and the diffusivity.
+fn time_to_the_next(model: &Model, body: &Body) -> f64 {
+    let material = &model.materials[body.material];
+    body.spacing * body.spacing * material.density * material.specific_heat / material.conductivity
+}
+
 /// Heat alone, with an end before any has moved.
 fn too_short(model: &Model) -> Option<String> {
     if model.thermal.mechanics || model.time.max_steps.is_some() {
         return None;
     }
-    // `d^2 / a`, with the spacing and the diffusivity.
-    let passes = |body: &Body| {
-        let material = &model.materials[body.material];
-        body.spacing * body.spacing * material.density * material.specific_heat / material.conductivity
-    };
-    let shortest = model.bodies.iter().map(passes).filter(|time| *time > 0.0).fold(f64::INFINITY, f64::min);
+    let shortest = model
+        .bodies
+        .iter()
+        .map(|body| time_to_the_next(model, body))
+        .filter(|time| *time > 0.0)
+        .fold(f64::INFINITY, f64::min);
     (shortest.is_finite() && model.time.end < NO_TIME * shortest).then(|| {
         format!(
             "the run ends at {}, and heat takes {} from one particle to the next: none is conducted until then; check the unit of `time.end`",
@@ -157,7 +188,7 @@ fn without_expansion(model: &Model) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use crate::load_text;
+    use crate::{load_text, tests::notes::notes_on};
 
     #[test]
     fn an_end_before_heat_gets_from_one_particle_to_the_next_is_told() {
@@ -182,5 +213,21 @@ mod tests {
         assert_eq!(notes("20 ms", "mechanics = false"), [""; 0]);
         // In an impact heat has no time, as is known.
         assert_eq!(notes("1 us", "conduction = true"), [""; 0]);
+    }
+
+    #[test]
+    fn hot_and_cold_bodies_that_exchange_no_heat_are_told() {
+        let deck = "dimensions = \"plane-strain\"\nparticles = { spacing = \"1 mm\" }\ntime = { end = \"1 s\" }\n\
+                    [[body]]\nname = \"hot\"\nmaterial = \"m\"\nshape = { box = { min = [0, 0], max = [\"8 mm\", \"8 mm\"] } }\ntemperature = \"400 K\"\n\
+                    [[body]]\nname = \"cold\"\nmaterial = \"m\"\nshape = { box = { min = [\"8 mm\", 0], max = [\"16 mm\", \"8 mm\"] } }\ntemperature = \"300 K\"\n\
+                    [material.m]\ndensity = 1000\nyoung-modulus = \"10 GPa\"\npoisson-ratio = 0.3\nstrength = \"elastic\"\nspecific-heat = 500\nconductivity = 20\n";
+        let words = "no heat flows between bodies `hot` (400 K) and `cold` (300 K)";
+        let told = |replaced: &[(&str, &str)]| {
+            notes_on(deck, replaced).into_iter().filter(|note| note.contains(words)).count()
+        };
+        assert_eq!(told(&[]), 1);
+        assert_eq!(told(&[("conductivity = 20", "conductivity = 20\n[thermal]\nconduction = true")]), 0);
+        assert_eq!(told(&[("1 s", "1 us")]), 0);
+        assert_eq!(told(&[("400 K", "300 K")]), 0);
     }
 }

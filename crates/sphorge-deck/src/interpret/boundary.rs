@@ -9,7 +9,7 @@ use crate::raw::{RawContact, RawMotion, RawPeriodic, RawPlane, RawSegment, RawSy
 use crate::value::{Choice, Given, Kind, ScalarOr, Velocity, VelocityOrFree};
 use crate::written::Literal;
 use sphorge_engine::model::{
-    Body, Dimensions, Formulation, MotionAxis, PrescribedMotion, SymmetryPlane, TimeTable, Wall, WallContact,
+    Body, Dimensions, Formulation, MotionAxis, PrescribedMotion, Solid, SymmetryPlane, TimeTable, Wall, WallContact,
     WallSurface,
 };
 use sphorge_physics::parameter::Bound;
@@ -23,6 +23,9 @@ pub(crate) struct Walled<'a> {
     pub(crate) bodies: &'a [Option<Body>],
     /// Of materials, by their index, whether they have strength.
     pub(crate) has_strength: &'a dyn Fn(usize) -> bool,
+    /// Speeds at which bars of them yield on a rigid wall, m/s.
+    pub(crate) yield_speed: &'a dyn Fn(usize) -> Option<f64>,
+    pub(crate) dimensions: Dimensions,
 }
 
 impl Walled<'_> {
@@ -31,7 +34,7 @@ impl Walled<'_> {
     }
 
     /// Whether a wall pushes at facets where the deck does not say: where particles would be wrong.
-    fn needs_facets(&self, surface: &WallSurface) -> bool {
+    fn needs_facets(&self, surface: &WallSurface, velocity: &[TimeTable; 3]) -> bool {
         let is_round = |normal: &[f64; 3]| {
             let towards = normal.map(|c| -c);
             let of = |body: &Body| (self.has_strength)(body.material) && body.shape.is_round_towards(towards);
@@ -40,8 +43,25 @@ impl Walled<'_> {
         self.has_facets()
             && match surface {
                 WallSurface::Segment { .. } => true,
-                WallSurface::Plane { normal, .. } => is_round(normal),
+                WallSurface::Plane { normal, .. } => is_round(normal) || self.are_met_gently(normal, velocity),
             }
+    }
+
+    /// Whether all bodies have strength, do not break, and none strikes a plane so fast that it yields at once. What stands on a plane tips over its edge, and not
+    /// half a spacing before it; what is pressed on it is closed by half as much.
+    ///
+    /// Feet of bars that are crushed are as wide with particles, which cards can do, too.
+    fn are_met_gently(&self, normal: &[f64; 3], velocity: &[TimeTable; 3]) -> bool {
+        let fastest =
+            |axis: usize, sign: f64| velocity[axis].points.iter().map(move |(_, v)| sign * v).fold(0.0, f64::max);
+        let of_wall: f64 = (0..3).map(|a| normal[a].abs() * fastest(a, normal[a].signum())).sum();
+        let is_gentle = |body: &Body| {
+            let [least, most] = body.velocity_bounds(self.dimensions);
+            let towards: f64 = (0..3).map(|a| -normal[a] * if normal[a] > 0.0 { least[a] } else { most[a] }).sum();
+            !matches!(body.shape.solid, Solid::Cloud { .. })
+                && (self.yield_speed)(body.material).is_some_and(|limit| towards.max(0.0) + of_wall < limit)
+        };
+        self.dimensions != Dimensions::One && self.bodies.iter().flatten().all(is_gentle)
     }
 }
 
@@ -65,11 +85,11 @@ pub(crate) fn wall(
         Some(Surface::Segment(s)) => segment(s, dimensions, problems),
         None => None,
     };
-    let contact = contact(raw.contact.as_ref(), surface.as_ref(), walled, problems);
     let velocity = match &raw.velocity {
         None => Some([0.0; 3].map(TimeTable::constant)),
         Some(axes) => wall_velocity(axes, raw.name.span(), dimensions, problems),
     };
+    let contact = contact(raw.contact.as_ref(), surface.as_ref().zip(velocity.as_ref()), walled, problems);
     Some(Wall { name: raw.name.text(problems)?.to_owned(), surface: surface?, velocity: velocity?, contact: contact? })
 }
 
@@ -108,12 +128,12 @@ fn segment(raw: &RawSegment, dimensions: Dimensions, problems: &mut Problems) ->
 
 fn contact(
     raw: Option<&ScalarOr<Choice<ContactWord>, RawContact>>,
-    surface: Option<&WallSurface>,
+    surface: Option<(&WallSurface, &[TimeTable; 3])>,
     walled: &Walled<'_>,
     problems: &mut Problems,
 ) -> Option<WallContact> {
     let spacing = walled.spacing;
-    let usual = surface.is_some_and(|surface| walled.needs_facets(surface));
+    let usual = surface.is_some_and(|(surface, velocity)| walled.needs_facets(surface, velocity));
     let strength = |at_facets| if at_facets { defaults::FACET_PENALTY } else { defaults::PENALTY };
     let of_kind = |kind| match kind {
         WallContactKind::MonaghanKos => spacing.map(|range| WallContact::MonaghanKos { range }),

@@ -9,7 +9,7 @@ use crate::suggest::{did_you_mean, like, listed};
 use crate::value::Word;
 use sphorge_engine::model::Material;
 use sphorge_physics::damage::DAMAGE_LAWS;
-use sphorge_physics::flow::FlowLaw;
+use sphorge_physics::flow::{FlowLaw, FlowState};
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
     ops::Range,
@@ -309,6 +309,20 @@ impl<'a> Chosen<'a> {
     /// Whether a material resists shear.
     pub(crate) fn has_strength(&self, index: usize) -> bool {
         self.chosen[index].material.as_ref().is_some_and(|m| m.shear_modulus > 0.0)
+    }
+
+    /// Speed at which a bar of a material that strikes a rigid wall begins to yield, m/s: without bound where it never does. `None` for what has no strength or
+    /// may break.
+    pub(crate) fn yield_speed(&self, index: usize) -> Option<f64> {
+        let material = self.chosen[index].material.as_ref().filter(|m| m.shear_modulus > 0.0 && !m.breaks())?;
+        let history: Vec<f64> = material.flow_law.history().iter().map(|variable| variable.initial).collect();
+        let state = FlowState::at_rest(material.reference_temperature);
+        let stress = if material.flow_law.yields() {
+            material.flow_law.yield_stress(state, &history).value
+        } else {
+            f64::INFINITY
+        };
+        Some(stress / (material.density * material.young_modulus()).sqrt())
     }
 
     /// Temperature bodies of this material start at, if the material could be built.

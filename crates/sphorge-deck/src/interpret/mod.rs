@@ -280,7 +280,9 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         usual: usual.wall,
         formulation: strategy.map(|strategy| strategy.formulation),
         bodies: &bodies,
+        dimensions,
         has_strength: &|material| materials.has_strength(material),
+        yield_speed: &|material| materials.yield_speed(material),
     };
     let walls: Vec<_> = raw.wall.iter().map(|w| boundary::wall(w, dimensions, &walled, problems)).collect();
     let (periodic, periodic_places) = boundary::periodic(&raw.periodic, dimensions, problems);

@@ -568,3 +568,37 @@ fn a_run_tells_of_what_its_deck_has_changed_and_not_of_published_constants() {
     let changed = load_text("iron-plate", plate, &[denser]).unwrap();
     assert!(is_of_ratio(&changed.notes) && changed.catalogue_notes.is_empty(), "{:?}", changed.notes);
 }
+
+#[test]
+fn walls_push_at_facets_what_they_meet_slowly() {
+    let deck = "dimensions = \"plane-strain\"\nparticles = { spacing = \"1 mm\" }\ntime = { end = \"1 us\" }\n[[body]]\nname = \"block\"\nmaterial = \"steel\"\n\
+                shape = { box = { min = [0, 0], max = [\"8 mm\", \"8 mm\"] } }\nvelocity = [\"90 m/s\", \"-5 m/s\"]\n\
+                [[wall]]\nname = \"floor\"\nplane = { point = [0, 0], normal = [0, 1] }\n\
+                [material.steel]\ndensity = 7850\nyoung-modulus = \"210 GPa\"\npoisson-ratio = 0.3\nstrength = { perfectly-plastic = { yield-stress = \"300 MPa\" } }\n";
+    let at_facets = |replaced: &[(&str, &str)]| {
+        let text = replaced.iter().fold(deck.to_owned(), |text, (from, to)| {
+            assert!(text.contains(from), "{from}");
+            text.replacen(from, to, 1)
+        });
+        load_text("walls", &text, &[]).unwrap().model.meets_walls_at_facets()
+    };
+    // It yields at 300 MPa / sqrt(7850 kg/m^3 210 GPa), 7.39 m/s.
+    assert!(at_facets(&[]) && at_facets(&[("-5 m/s", "-7.3 m/s")]) && !at_facets(&[("-5 m/s", "-7.5 m/s")]));
+    // What flies away, and a wall that comes; along itself it may move.
+    assert!(at_facets(&[("-5 m/s", "90 m/s")]));
+    let moving = |velocity: &str| format!("normal = [0, 1] }}\nvelocity = {velocity}");
+    let wall = |velocity: &str| at_facets(&[("normal = [0, 1] }", &moving(velocity))]);
+    assert!(
+        wall("[\"90 m/s\", \"2 m/s\"]")
+            && wall("[0, \"-90 m/s\"]")
+            && !wall("[0, [[\"0 s\", \"0 m/s\"], [\"1 us\", \"3 m/s\"]]]")
+    );
+    // Metal that never yields, may break or has no strength.
+    let strength = "strength = { perfectly-plastic = { yield-stress = \"300 MPa\" } }";
+    assert!(at_facets(&[("-5 m/s", "-90 m/s"), (strength, "strength = \"elastic\"")]));
+    assert!(!at_facets(&[(strength, &format!("{strength}\nspall-pressure = \"2 GPa\""))]));
+    assert!(!at_facets(&[(strength, "strength = \"none\"")]));
+    // The deck decides.
+    let particles = "normal = [0, 1] }\ncontact = { penalty = { surfaces = \"particles\" } }";
+    assert!(!at_facets(&[("normal = [0, 1] }", particles)]));
+}

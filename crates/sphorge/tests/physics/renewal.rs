@@ -33,7 +33,7 @@ velocity-gradient = { rows = [["0 1/s", "20e6 1/s"], ["0 1/s", "-10e6 1/s"]] }
 [[wall]]
 name = "table"
 plane = { point = ["0 mm", "0 mm"], normal = [0, 1] }
-contact = { penalty = { stiffness = 1.0, friction = 0.3, damping = 0.02 } }
+contact = { penalty = { surfaces = "particles", stiffness = 1.0, friction = 0.3, damping = 0.02 } }
 "#;
 
 /// A copper strip whose ends are pulled apart at 100 m/s each.
