@@ -2,15 +2,17 @@
 //!
 //! The deformation gradient of a particle is a mean over its surroundings, so that cells which are deformed by their own gradients need not meet: they
 //! overlap, or leave gaps. A corner is therefore where the cells that met there at the start put it on average, as long as these predictions are
-//! near each other. Where they are not, the material has come apart, and the cells part as well. Still pictures and the viewer draw these cells.
+//! near each other. Where they are not, the material has come apart, and the cells part as well. A particle without integrity holds to nobody, and its cell
+//! is drawn undeformed. Still pictures and the viewer draw these cells.
 
 mod across;
+mod deformation;
 mod fillers;
-mod gradient;
 mod nodes;
 mod outside;
+mod supported;
 
-pub(crate) use gradient::drawn_gradients;
+pub(crate) use deformation::Deformation;
 pub(crate) use nodes::Nodes;
 pub(crate) use outside::Outside;
 
@@ -54,6 +56,8 @@ pub(crate) struct JoinedCells {
     pub(crate) surface: Vec<u32>,
     /// What lies between an edge of a face and the nodes of finer cells along it: the face (or `6 cell` in a plane), and the nodes of a triangle.
     pub(crate) fillers: Vec<[u32; 4]>,
+    /// Who is across each face of each cell at the start, or [`NONE`].
+    across: Vec<[u32; 6]>,
     members: Vec<Member>,
     /// Where those of each node begin.
     first: Vec<u32>,
@@ -147,6 +151,7 @@ impl JoinedCells {
             joined.surface = open.map(|(cell, face)| (6 * cell + face) as u32).collect();
         }
         joined.fillers = joined.fillers(start, corners, &guests);
+        joined.across = neighbours;
         joined
     }
 

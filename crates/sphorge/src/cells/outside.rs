@@ -54,18 +54,27 @@ impl JoinedCells {
             }
         }
         let at_start = |cell: usize, face: usize| face_corners(face).map(|k| self.of[8 * cell + k] as usize);
+        // Planes in which a node is and was at the start: debris leaves them.
+        let held = |start: usize, now: u32| {
+            let is_there = |(k, (axis, at)): &(usize, &(usize, f64))| {
+                self.held[start] >> k & 1 == 1 && nodes.places[now as usize][*axis] == *at
+            };
+            self.planes.iter().enumerate().filter(is_there).fold(0u8, |bits, (k, _)| bits | 1 << k)
+        };
         let mut faces = Vec::new();
         for (cell, sides) in sides.iter().enumerate() {
             for face in (0..6).filter(|face| sides >> face & 1 == 1) {
                 let nodes = face_corners(face).map(|k| of[8 * cell + k]);
-                let held = at_start(cell, face).into_iter().fold(u8::MAX, |held, node| held & self.held[node]);
+                let held = at_start(cell, face).into_iter().zip(nodes).fold(u8::MAX, |bits, (a, b)| bits & held(a, b));
                 faces.push(OutsideFace { cell: cell as u32, nodes, face: face as u8, is_filler: false, held });
             }
         }
-        for [face, a, b, c] in &self.fillers {
+        let mut torn = nodes.torn.iter().copied().peekable();
+        for (number, [face, a, b, c]) in (0u32..).zip(&self.fillers) {
             let (cell, face) = ((face / 6) as usize, (face % 6) as usize);
-            if kept[cell] {
-                let held = [*a, *b, *c].into_iter().fold(u8::MAX, |held, node| held & self.held[node as usize]);
+            let is_whole = torn.next_if_eq(&number).is_none();
+            if kept[cell] && is_whole {
+                let held = [*a, *b, *c].into_iter().fold(u8::MAX, |bits, node| bits & held(node as usize, node));
                 faces.push(OutsideFace {
                     cell: cell as u32,
                     nodes: [*a, *b, *c, *c],

@@ -15,7 +15,7 @@ use super::{
     walls::{Bounds, PlacedWall, walls},
 };
 use crate::{
-    cells::{JoinedCells, NONE, Nodes, drawn_gradients},
+    cells::{Deformation, JoinedCells, NONE, Nodes},
     deck::{did_you_mean, load_model, names_like},
     geometry::cell_corners,
     model::{Formulation, Model, SymmetryPlane},
@@ -194,8 +194,8 @@ impl Source {
         };
         let mean = values.values.iter().sum::<f64>() / values.values.len().max(1) as f64;
         let positions = frame.positions()?;
-        let gradient = drawn_gradients(&mut frame)?;
-        let nodes = gradient.map_or_else(Nodes::default, |f| self.cells.at(&positions, &f.values));
+        let deformation = Deformation::read(&mut frame)?;
+        let nodes = deformation.map_or_else(Nodes::default, |of| self.cells.at(&positions, &of));
         let mut samples = samples(&mut frame, values.values, &positions, &self.cells.corners(&positions, &nodes))?;
         let kept = kept(&mut frame, picture, |frame, field| {
             let (name, component) = split(field);

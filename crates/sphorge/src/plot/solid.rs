@@ -193,13 +193,16 @@ fn between(a: [f64; 3], b: [f64; 3], share: f64) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{cells::tests::cylinder, plot::View};
+    use crate::{
+        cells::{Deformation, tests::cylinder},
+        plot::View,
+    };
 
     /// The polygons of a cylinder and of its images as it was at the start, seen along no axis of its own.
     fn solid(is_quarter: bool, mirrors: &[(usize, SymmetryPlane)], cut: Option<(HalfSpace, f64)>) -> Solid {
         let (joined, positions) = cylinder(is_quarter);
         let gradient: Vec<f32> = (0..9 * positions.len()).map(|k| if k % 9 % 4 == 0 { 1.0 } else { 0.0 }).collect();
-        let nodes = joined.at(&positions, &gradient);
+        let nodes = joined.at(&positions, &Deformation::whole(gradient));
         let marks: Vec<u32> = (0..(positions.len() << mirrors.len()) as u32).collect();
         let (joined, nodes, positions, marks) = (&joined, &nodes, &positions[..], &marks[..]);
         let cells = Cells { joined, nodes, positions, is_kept: None, mirrors, marks, cut };

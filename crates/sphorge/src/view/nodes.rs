@@ -10,11 +10,13 @@ pub(super) struct FrameNodes {
     pub(super) places: Array,
     /// Corners at which cells have come apart, and their nodes.
     parted: Vec<[u32; 2]>,
+    /// Numbers of the fillers that have come apart.
+    torn: Vec<u32>,
 }
 
 impl FrameNodes {
     pub(super) fn new(nodes: Nodes, origin: [f64; 3]) -> Self {
-        Self { places: Array::of_positions(&nodes.places, origin), parted: nodes.parted }
+        Self { places: Array::of_positions(&nodes.places, origin), parted: nodes.parted, torn: nodes.torn }
     }
 
     /// Corners and nodes of what has come apart, little-endian.
@@ -22,14 +24,22 @@ impl FrameNodes {
         self.parted.as_flattened().iter().flat_map(|number| number.to_le_bytes()).collect()
     }
 
-    /// Numbers of places and of corners that have come apart, then both: whole numbers of 32 bits and numbers of single precision, little-endian.
+    /// Fillers that have come apart, little-endian.
+    pub(super) fn torn_bytes(&self) -> Vec<u8> {
+        self.torn.iter().flat_map(|number| number.to_le_bytes()).collect()
+    }
+
+    /// Numbers of places, of corners and of fillers that have come apart, then all three: whole numbers of 32 bits and numbers of single precision,
+    /// little-endian.
     pub(super) fn bytes(&self) -> Vec<u8> {
         let places = &self.places.values;
-        let mut bytes = Vec::with_capacity(8 + 4 * places.len() + 8 * self.parted.len());
+        let mut bytes = Vec::with_capacity(12 + 4 * places.len() + 8 * self.parted.len() + 4 * self.torn.len());
         bytes.extend((places.len() as u32 / 3).to_le_bytes());
         bytes.extend((self.parted.len() as u32).to_le_bytes());
+        bytes.extend((self.torn.len() as u32).to_le_bytes());
         bytes.extend(places.iter().flat_map(|x| x.to_le_bytes()));
         bytes.extend(self.parted_bytes());
+        bytes.extend(self.torn_bytes());
         bytes
     }
 }
@@ -48,11 +58,12 @@ mod tests {
 
     #[test]
     fn nodes_and_cells_are_told_with_their_numbers() {
-        let nodes = Nodes { places: vec![[1.0, 2.0, 3.0], [1.5, 2.0, 3.0]], parted: vec![[7, 1]] };
+        let nodes = Nodes { places: vec![[1.0, 2.0, 3.0], [1.5, 2.0, 3.0]], parted: vec![[7, 1]], torn: vec![3] };
         let bytes = FrameNodes::new(nodes, [1.0, 2.0, 2.0]).bytes();
         let whole = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
-        assert_eq!((bytes.len(), whole(0), whole(4), whole(32), whole(36)), (40, 2, 1, 7, 1));
-        assert_eq!(bytes[20..24], 0.5f32.to_le_bytes());
+        assert_eq!((bytes.len(), whole(0), whole(4), whole(8)), (48, 2, 1, 1));
+        assert_eq!((whole(36), whole(40), whole(44)), (7, 1, 3));
+        assert_eq!(bytes[24..28], 0.5f32.to_le_bytes());
         let square = std::array::from_fn(|k: usize| [(k & 1) as f64 - 0.5, (k >> 1 & 1) as f64 - 0.5, 0.0]);
         let mut cells = JoinedCells::new(&[[0.0; 3]], &[square], &[0.0], 2, &[]);
         (cells.surface, cells.fillers) = (vec![5], vec![[0, 1, 2, 3]]);

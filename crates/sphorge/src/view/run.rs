@@ -8,7 +8,7 @@ use super::{
     nodes::FrameNodes,
 };
 use crate::{
-    cells::{JoinedCells, Nodes, drawn_gradients},
+    cells::{Deformation, JoinedCells, Nodes},
     deck::load_model,
     model::{Formulation, Model},
     output::{FrameFile, HistoryTable, OutputError, RunDirectory, Summary, read_series},
@@ -225,8 +225,8 @@ impl ViewedRun {
     pub(super) fn nodes(&self, number: usize) -> Result<FrameNodes, ViewError> {
         let (directory, mut frame) = self.frame(number)?;
         let cells = self.cells()?;
-        let nodes = match drawn_gradients(&mut frame)? {
-            Some(gradient) => cells.at(&frame.positions()?, &gradient.values),
+        let nodes = match Deformation::read(&mut frame)? {
+            Some(deformation) => cells.at(&frame.positions()?, &deformation),
             None => Nodes::default(),
         };
         Ok(FrameNodes::new(nodes, self.origin(&directory)?))

@@ -211,6 +211,7 @@ fn pack(chosen: &[Chosen], counts: &[usize]) -> Result<Packing, ViewError> {
                 let nodes = run.run.nodes(frame)?;
                 packing.add_array(number, k, "nodes", &nodes.places);
                 packing.add_plain(number, &format!("parted/{k}"), &nodes.parted_bytes());
+                packing.add_plain(number, &format!("torn/{k}"), &nodes.torn_bytes());
             }
         }
         let columns = run.run.describe(None).columns.len();

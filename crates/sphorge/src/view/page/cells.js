@@ -87,6 +87,8 @@ class Cells {
   /** Nodes of the corners in the frame that is shown. */
   #now;
   #parted = new Uint32Array(0);
+  /** Fillers that have come apart. */
+  #torn = new Set();
   #depths = new Float32Array(0);
   #normal = new Float32Array(3);
 
@@ -100,11 +102,12 @@ class Cells {
   }
 
   /** Takes the nodes of a frame. */
-  take({ places, parted }) {
+  take({ places, parted, torn }) {
     if (this.#parted.length > 0) this.#now.set(this.of);
     if (parted.length > 0 && this.#now === this.of) this.#now = this.of.slice();
     for (let k = 0; k < parted.length; k += 2) this.#now[parted[k]] = parted[k + 1];
     this.#parted = parted;
+    this.#torn = new Set(torn);
     this.places = places;
   }
 
@@ -167,6 +170,7 @@ class Cells {
         faces.keep(cell, normal[0], normal[1], normal[2], 127);
       }
       for (let k = 0; k < fillers.length; k += 4) {
+        if (this.#torn.has(k / 4)) continue;
         const cell = Math.floor(fillers[k] / 6);
         faces.corner(0, places, fillers[k + 1]);
         faces.corner(1, places, fillers[k + 2]);

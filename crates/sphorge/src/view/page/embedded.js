@@ -68,7 +68,8 @@ class EmbeddedSource {
 
   async nodes(run, frame) {
     const { values } = await this.array(run, frame, "nodes");
-    return { places: values, parted: new Uint32Array(await this.#plain(run, `parted/${frame}`)) };
+    const numbers = async (name) => new Uint32Array(await this.#plain(run, `${name}/${frame}`));
+    return { places: values, parted: await numbers("parted"), torn: await numbers("torn") };
   }
 
   async column(run, column) {

@@ -42,8 +42,13 @@ class LiveSource {
   /** Where corners of cells are in a frame, and those that have come apart. */
   async nodes(run, frame) {
     const bytes = await (await this.#answer(`run/${run}/frame/${frame}/nodes`)).arrayBuffer();
-    const [places, parted] = new Uint32Array(bytes, 0, 2);
-    return { places: new Float32Array(bytes, 8, 3 * places), parted: new Uint32Array(bytes, 8 + 12 * places, 2 * parted) };
+    const [places, parted, torn] = new Uint32Array(bytes, 0, 3);
+    const after = 12 + 12 * places;
+    return {
+      places: new Float32Array(bytes, 12, 3 * places),
+      parted: new Uint32Array(bytes, after, 2 * parted),
+      torn: new Uint32Array(bytes, after + 8 * parted, torn),
+    };
   }
 
   async column(run, column) {

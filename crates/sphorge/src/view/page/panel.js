@@ -10,7 +10,7 @@ const IN_PLANE = 5e-3;
 /** Less height than this, pixels, leaves no room for all that is said of one of several runs, and for the arrows along the axes. */
 const LOW_PANEL = 210;
 const LOWEST_PANEL = 110;
-const NO_NODES = { places: new Float32Array(0), parted: new Uint32Array(0) };
+const NO_NODES = { places: new Float32Array(0), parted: new Uint32Array(0), torn: new Uint32Array(0) };
 
 class Panel {
   /** Position of a particle that is picked, from the origin of the run, m. */
