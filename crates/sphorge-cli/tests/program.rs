@@ -123,7 +123,11 @@ fn a_run_is_drawn_and_compared() {
     assert!(numbers.starts_with("-1 * change of height (m),kinetic_energy (J/m)\n0e0,"), "{numbers}");
     // What is computed for pictures needs no run that writes it; the file says from which side it was drawn.
     let from = ["plot", "a", "--field", "displacement", "--view", "1,0.5,2", "--section=x at 1 mm", "--dpi", "50"];
-    assert_eq!(place.run(&from).expect_code(0).out, "a/plots/displacement-last.png\n");
+    let name = "a/plots/displacement-last-from-1_0.5_2-section-x-at-1mm.png";
+    assert_eq!(place.run(&from).expect_code(0).out, format!("{name}\n"));
+    // The plane of the problem has nothing before and behind it.
+    let flat = ["plot", "a", "--field", "body", "--section"];
+    place.run(&flat).expect_code(2).expect_told(&["cuts nothing", "plane of the problem"]);
     place
         .run(&["plot", "a", "--field", "body", "--section=x at 1 m"])
         .expect_code(2)

@@ -41,6 +41,12 @@ def test_pictures_are_those_of_the_command_line(here, run):
     assert several.data.startswith(PNG)
 
 
+def test_the_usual_fields_end_with_those_of_what_breaks(here):
+    from sphorge._picture import usual_fields
+
+    assert usual_fields(here) == ("plastic_strain", "von_mises_stress", "pressure", "temperature", "velocity", "damage", "integrity")
+
+
 def test_animations_are_png_or_webp(here, run):
     animation = run.plot("pressure", animate=True, width="300 px", duration="1 s")
     assert b"acTL" in animation.data[:200]

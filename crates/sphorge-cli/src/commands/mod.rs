@@ -12,6 +12,7 @@ pub(crate) mod fragments;
 pub(crate) mod man;
 pub(crate) mod materials;
 mod picture_arguments;
+mod picture_names;
 pub(crate) mod plot;
 mod plot_quantities;
 pub(crate) mod resume;

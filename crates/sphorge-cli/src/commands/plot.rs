@@ -3,6 +3,7 @@
 use crate::{
     commands::{
         picture_arguments::{ColorArgument, parse_mirror, parse_range, parse_section, refuse_planes_as_folders},
+        picture_names::{section_word, view_word},
         plot_quantities::{read_quantities, read_width},
     },
     failure::{Ending, Failure, Outcome},
@@ -12,7 +13,7 @@ use crate::{
 use clap::{Args, ValueEnum};
 use sphorge::{
     deck::{did_you_mean, names_like},
-    output::{OutputError, RunDirectory, read_series},
+    output::{FrameFile, OutputError, RunDirectory, read_series},
     particles::{FIELDS, find_field},
     plot::{
         ColumnsPicture, Condition, FieldPicture, FrameChoice, Mirror, Paper, PictureFormat, PlotError, Section, View,
@@ -68,7 +69,7 @@ pub(crate) struct PlotArguments {
     /// Direction of view: xy, xz, yz, corner, or any direction towards the eye such as "1,-2,1"; of the last two, z points up, unless gravity or a floor across y says otherwise, or an axis is named: "corner up y", "1,0.5,2 up y" [default: the plane of a plane problem, otherwise corner]
     #[arg(long, value_name = "VIEW", allow_hyphen_values = true, requires = "fields")]
     view: Option<View>,
-    /// Cut the bodies and show the inside: in the middle or at the symmetry plane, or along a plane such as --section="x at 3 mm" or --section="1,1,0 at 0,0,5 mm" (normal and point); a plane beside all bodies is refused
+    /// Cut the bodies and show the inside: in the middle or at the symmetry plane, or along a plane such as --section="x at 3 mm" or --section="1,1,0 at 0,0,5 mm" (normal and point); a plane beside all bodies is refused, and so is that of a plane problem
     #[arg(long, value_name = "PLANE", num_args = 0..=1, require_equals = true, default_missing_value = "middle", value_parser = parse_section, requires = "fields")]
     section: Option<Section>,
     /// Draw this body alone; can be repeated
@@ -83,7 +84,7 @@ pub(crate) struct PlotArguments {
     /// Draw the deck's measures of craters and clouds on the particles
     #[arg(long, requires = "fields")]
     measures: bool,
-    /// Values at the ends of the colour bar [default: automatic]
+    /// Values at the ends of the colour bar [default: the extremes shown, or where outliers stretch these by half or more the range of 99 % of the particles; arrows then give the extremes]
     #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, requires = "fields")]
     range: Option<String>,
     /// Part of the view to show: left, right, bottom, top [default: all]
@@ -393,13 +394,13 @@ impl<'a> Job<'a> {
             paper: self.paper,
             ..FieldPicture::new(field)
         };
-        let measures = if arguments.measures { "-measures" } else { "" };
+        let seen = format!("{}{}", self.sight(run), if arguments.measures { "-measures" } else { "" });
         if self.apart {
-            let name = |number: usize| self.file(&format!("{field}-{number:06}{measures}"));
+            let name = |number: usize| self.file(&format!("{field}-{number:06}{seen}"));
             return plot_each_frame(run, &picture, name).map_err(failure);
         }
         if arguments.animate {
-            let file = self.file(&format!("{field}-animated{measures}"));
+            let file = self.file(&format!("{field}-animated{seen}"));
             animate_field(run, &picture, arguments.duration.0, &file).map_err(failure)?;
             return Ok(vec![file]);
         }
@@ -407,7 +408,7 @@ impl<'a> Job<'a> {
         // A series that cannot be read is refused by the drawing.
         let series = read_series(run).unwrap_or_default();
         let words: Vec<_> = frames.iter().map(|frame| frame_word(*frame, &series)).collect();
-        let file = self.file(&format!("{field}-{}{measures}", words.join("-")));
+        let file = self.file(&format!("{field}-{}{seen}", words.join("-")));
         let picture = FieldPicture { frames, ..picture };
         match self.runs {
             [_] => plot_field(run, &picture, &file),
@@ -415,6 +416,14 @@ impl<'a> Job<'a> {
         }
         .map_err(failure)?;
         Ok(vec![file])
+    }
+
+    /// From where particles are seen and how they are cut, for the name of a picture; nothing where it is as usual.
+    fn sight(&self, run: &RunDirectory) -> String {
+        let last = read_series(run).ok().and_then(|series| series.last().map(|(_, file)| file.clone()));
+        let dimensions = last.and_then(|file| FrameFile::open(&file).ok()).map_or(0, |frame| frame.header.dimensions);
+        let view = self.arguments.view.map(|view| view_word(view, dimensions));
+        format!("{}{}", view.unwrap_or_default(), self.arguments.section.map(section_word).unwrap_or_default())
     }
 
     /// Tells which runs end before a time that was asked for.

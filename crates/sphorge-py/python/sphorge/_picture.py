@@ -17,7 +17,7 @@ from ._run import _needs
 from ._words import there_is_no
 
 #: Fields of which a picture shows the first that a frame has, when none is named.
-FIELDS = ("plastic_strain", "von_mises_stress", "pressure", "temperature", "velocity")
+FIELDS = ("plastic_strain", "von_mises_stress", "pressure", "temperature", "velocity", "damage", "integrity")
 
 
 def usual_fields(run: Path) -> tuple[str, ...]:

@@ -89,6 +89,13 @@ pub enum PlotError {
         /// Where they end.
         high: String,
     },
+    /// A section along a plane in which all particles are.
+    #[error("the section cuts nothing: it lies in the plane of the problem")]
+    #[diagnostic(
+        code(sphorge::plot::flat_section),
+        help("leave out `--section`: the picture shows all of the plane; `--section=x` cuts along an axis")
+    )]
+    FlatSection,
     /// The page is too small or too large.
     #[error("a picture of {width} x {height} pixels cannot be made")]
     #[diagnostic(code(sphorge::plot::size), help("choose sides between 200 and 20000 pixels"))]

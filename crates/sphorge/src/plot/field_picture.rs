@@ -11,7 +11,7 @@ pub struct FieldPicture {
     pub frames: Vec<FrameChoice>,
     /// Direction of view; the plane of a plane problem, a corner of a solid one if not given.
     pub view: Option<View>,
-    /// Leave out what is in front of a plane, to show the inside.
+    /// Leave out what is in front of a plane, to show the inside; the plane in which a plane problem lies is refused.
     pub section: Option<Section>,
     /// Show these bodies alone; all if there are none.
     pub bodies: Vec<String>,

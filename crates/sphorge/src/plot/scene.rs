@@ -44,6 +44,8 @@ pub(super) struct Panel {
     pub(super) cut: Option<HalfSpace>,
     /// Of a plane that was given and cuts nothing, what there is to cut.
     missed: Option<Missed>,
+    /// Of a section along which all particles are, as it can be in a plane problem.
+    is_flat: bool,
     pub(super) walls: Vec<PlacedWall>,
     /// Measures to show.
     pub(super) spans: Vec<NamedSpan>,
@@ -60,8 +62,12 @@ pub(crate) struct Missed {
 /// Refuses a section that meets no body in any panel.
 ///
 /// # Errors
-/// [`PlotError::Section`], which says where bodies are.
-pub(super) fn meets<'a>(panels: impl IntoIterator<Item = &'a Panel>) -> Result<(), PlotError> {
+/// [`PlotError::Section`], which says where bodies are; [`PlotError::FlatSection`] where all bodies lie along it.
+pub(super) fn meets<'a>(panels: impl IntoIterator<Item = &'a Panel> + Clone) -> Result<(), PlotError> {
+    let mut all = panels.clone().into_iter().peekable();
+    if all.peek().is_some() && all.all(|panel| panel.is_flat) {
+        return Err(PlotError::FlatSection);
+    }
     cuts_something(panels.into_iter().map(|panel| panel.missed.clone()))
 }
 
@@ -159,6 +165,8 @@ struct Left {
     cut: Option<HalfSpace>,
     /// Of one that cuts nothing.
     missed: Option<Missed>,
+    /// Whether it goes along all axes of the problem.
+    is_flat: bool,
     /// Planes in which images stand, with their numbers in the deck.
     mirrors: Vec<(usize, SymmetryPlane)>,
     /// Number of each before the section, images of the first plane after the particles themselves, and so on.
@@ -207,7 +215,7 @@ impl Source {
             let mut k = 0..;
             samples.retain(|_| k.next().is_some_and(is_kept));
         }
-        let Left { samples, count, cut, missed, mirrors, numbers } = self.left(samples, picture, &look);
+        let Left { samples, count, cut, missed, is_flat, mirrors, numbers } = self.left(samples, picture, &look);
         let projection = view.projection();
         let mut solid = Solid::default();
         if look.deep && !nodes.places.is_empty() {
@@ -248,6 +256,7 @@ impl Source {
             solid,
             cut,
             missed,
+            is_flat,
             walls: placed,
             spans,
         };
@@ -279,8 +288,10 @@ impl Source {
         }
         let Some((section, normal)) = cut else {
             let numbers = (0..samples.len()).collect();
-            return Left { samples, count: own, cut: None, missed: None, mirrors, numbers };
+            return Left { samples, count: own, cut: None, missed: None, is_flat: false, mirrors, numbers };
         };
+        let axes = if look.line { 1 } else { 2 + usize::from(look.deep) };
+        let is_flat = normal[..axes].iter().all(|x| x.abs() < 1e-9);
         let missed = missed(samples.iter().map(|sample| (sample.position, sample.spacing)), section);
         let depth = |sample: &Sample| dot(normal, sample.position);
         let span = samples.iter().map(depth).filter(|z| z.is_finite()).map(|z| (z, z)).reduce(wider);
@@ -310,7 +321,7 @@ impl Source {
         kept.iter().for_each(|(k, _)| shown[k % own] = true);
         let count = shown.into_iter().filter(|shown| *shown).count();
         let (numbers, samples) = kept.into_iter().unzip();
-        Left { samples, count, cut: Some(HalfSpace { normal, offset }), missed, mirrors, numbers }
+        Left { samples, count, cut: Some(HalfSpace { normal, offset }), missed, is_flat, mirrors, numbers }
     }
 }
 

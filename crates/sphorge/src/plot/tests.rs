@@ -4,6 +4,7 @@ use super::*;
 use crate::{
     Particles,
     output::{FrameHeader, RunDirectory, SeriesEntry, write_frame_file, write_series},
+    particles::Column,
 };
 use std::{fs, path::Path};
 
@@ -764,6 +765,52 @@ fn standard_pictures_of_heat_alone_are_of_the_temperature() {
     };
     assert_eq!(drawn("thermal = { mechanics = false }"), ["temperature-last", "temperature-before-after"]);
     assert_eq!(drawn("")[0], "plastic_strain-last");
+}
+
+#[test]
+fn standard_pictures_of_what_breaks_show_its_damage_or_else_its_integrity() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run(folder.path(), 2);
+    fs::write(run.history(), "time\n0\n").unwrap();
+    let mut particles = Particles::new(4);
+    (0..4).for_each(|i| particles.position[i] = [1e-3 * i as f64, 0.0, 0.0]);
+    for name in ["damage", "integrity"] {
+        particles.set_column(name, &Column::Scalar(vec![0.0, 0.25, 0.5, 1.0].into()));
+    }
+    let drawn = |broken: &[&str]| {
+        let header = FrameHeader { time: 0.0, step: 0, dimensions: 2, body_spacing: vec![1e-3] };
+        let fields: Vec<String> = ["velocity"].iter().chain(broken).map(|name| (*name).to_owned()).collect();
+        for k in 0..2 {
+            let file = run.path().join(RunDirectory::frame_name(k, false));
+            write_frame_file(&file, &header, &particles, &fields).unwrap();
+        }
+        let files = plot_run(&run, COARSE, PictureFormat::Png, &folder.path().join("plots")).unwrap();
+        let names = files.iter().map(|file| file.file_stem().unwrap().to_str().unwrap().to_owned());
+        names.collect::<Vec<_>>()
+    };
+    assert_eq!(drawn(&["integrity", "damage"]), ["velocity-last", "damage-last", "velocity-before-after"]);
+    assert_eq!(drawn(&["integrity"]), ["velocity-last", "integrity-last", "velocity-before-after"]);
+}
+
+#[test]
+fn a_section_along_the_plane_of_a_problem_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let to = folder.path().join("p.png");
+    let runs = [1, 2, 3].map(|dimensions| run(&folder.path().join(dimensions.to_string()), dimensions));
+    let cut = |dimensions: usize, section: Section, frames: Vec<FrameChoice>| {
+        let run = &runs[dimensions - 1];
+        let picture = FieldPicture { section: Some(section), frames, paper: COARSE, ..FieldPicture::new("pressure") };
+        let moving = animate_field(run, &picture, 1.0, &to);
+        (matches!(plot_field(run, &picture, &to), Err(PlotError::FlatSection)), moving.is_err())
+    };
+    let across = |normal: [f64; 3]| Section::Across { normal, point: None };
+    let both = || vec![FrameChoice::First, FrameChoice::Last];
+    for dimensions in [1, 2] {
+        assert_eq!(cut(dimensions, Section::Middle, both()), (true, true), "{dimensions}");
+    }
+    assert_eq!(cut(2, across([0.0, 0.0, 2.0]), both()), (true, true));
+    assert_eq!(cut(2, across([1.0, 0.0, 0.0]), both()), (false, false));
+    assert_eq!(cut(3, Section::Middle, both()), (false, false));
 }
 
 /// Two bodies of six by six by three particles a millimetre apart on top of each other, the upper one pushed a quarter of a millimetre into the lower one.

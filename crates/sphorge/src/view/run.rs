@@ -282,7 +282,7 @@ impl ViewedRun {
         });
         let mut fields: Vec<FieldDescription> = own.chain(derived).collect();
         let model = self.model().ok().flatten();
-        let usual = default_fields(model.as_deref());
+        let usual = default_fields(model.as_deref(), |name| fields.iter().any(|field| field.name == name));
         let rank = |field: &FieldDescription| usual.iter().position(|name| *name == field.name);
         fields.sort_by_key(|field| rank(field).unwrap_or(usual.len()));
         fields

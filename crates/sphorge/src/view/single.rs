@@ -177,8 +177,8 @@ impl<'a> Chosen<'a> {
         let has = |name: &str| known.iter().any(|field| field.name == name);
         let fields: Vec<String> = match &settings.fields[..] {
             [] => {
-                let usual = default_fields(run.model()?.as_deref());
-                usual.iter().filter(|name| has(name)).map(|name| (*name).to_owned()).collect()
+                let usual = default_fields(run.model()?.as_deref(), has);
+                usual.into_iter().map(str::to_owned).collect()
             }
             named => named.to_vec(),
         };
