@@ -1,6 +1,6 @@
 //! `--set path=value`: changes worked into the text of a deck before it is read, so that what is stored is what is run.
 //!
-//! A path follows the keys of the deck; an entry of a list is chosen by its place (from 0) or by its `name`:
+//! A path follows the keys of the deck; an entry of a list is chosen by its place (from 0) or by its `name`, one without a name by its `region`:
 //! `particles.spacing`, `body.bar.velocity.1`, `body.0.material`, `material.armco-iron.density`.
 
 use super::expected::{Expected, Form};
@@ -52,11 +52,35 @@ fn body() -> Option<&'static Expected> {
     DECK.key("body").and_then(|(list, _)| list.item(0))
 }
 
-/// A value as TOML, or as the text it is.
+/// A value as TOML, or as the text it is; texts in a list need no quotes either, which shells take away.
 pub(crate) fn parse_value(text: &str) -> Value {
     match text.trim().parse::<Value>() {
-        Ok(Value::Datetime(_)) | Err(_) => Value::from(text.trim()),
+        Ok(Value::Datetime(_)) | Err(_) => bare_list(text.trim()).unwrap_or_else(|| Value::from(text.trim())),
         Ok(value) => value,
+    }
+}
+
+/// A list of which some texts have no quotes: `[0, 0, -250 m/s]`.
+fn bare_list(text: &str) -> Option<Value> {
+    if !text.starts_with('[') || text.contains(['{', '}', '"', '\'', '=']) {
+        return None;
+    }
+    let mut toml = String::new();
+    let mut rest = text;
+    while let Some(at) = rest.find(['[', ']', ',']) {
+        toml += &bare_entry(&rest[..at]);
+        toml += &rest[at..=at];
+        rest = &rest[at + 1..];
+    }
+    toml += rest;
+    toml.parse::<Value>().ok()
+}
+
+/// An entry of a list as TOML.
+fn bare_entry(text: &str) -> String {
+    match text.trim() {
+        "" => String::new(),
+        entry => parse_value(entry).to_string(),
     }
 }
 
@@ -132,9 +156,7 @@ impl<'a> Seen<'a> {
     /// Names of the entries of a list.
     fn names(self) -> Option<Vec<Option<String>>> {
         match self {
-            Self::Item(Item::ArrayOfTables(tables)) => {
-                Some(tables.iter().map(|table| table.get("name").and_then(Item::as_str).map(str::to_owned)).collect())
-            }
+            Self::Item(Item::ArrayOfTables(tables)) => Some(tables.iter().map(name_of).collect()),
             Self::Item(Item::Value(Value::Array(entries))) | Self::Value(Value::Array(entries)) => {
                 Some(entries.iter().map(name_in).collect())
             }
@@ -157,9 +179,18 @@ impl<'a> Seen<'a> {
     }
 }
 
+/// What names an entry of a list: motions have no name of their own, but a region.
+const NAMES: [&str; 2] = ["name", "region"];
+
 /// Name of an entry of a list.
 fn name_in(entry: &Value) -> Option<String> {
-    entry.as_inline_table().and_then(|table| table.get("name")).and_then(Value::as_str).map(str::to_owned)
+    let table = entry.as_inline_table()?;
+    NAMES.iter().find_map(|key| table.get(key)).and_then(Value::as_str).map(str::to_owned)
+}
+
+/// The same of one under a header.
+fn name_of(table: &Table) -> Option<String> {
+    NAMES.iter().find_map(|key| table.get(key)).and_then(Item::as_str).map(str::to_owned)
 }
 
 /// An entry of a document a path can lead through.
@@ -227,7 +258,7 @@ fn set_in(place: Place<'_>, expected: &Expected, path: &[Segment], above: &str, 
         Place::Table(table, inline) => set_in_table(table, expected, path, above, value, inline),
         Place::Item(Item::Table(table)) => set_in_table(table, expected, path, above, value, false),
         Place::Item(Item::ArrayOfTables(tables)) => {
-            let names = tables.iter().map(|t| t.get("name").and_then(Item::as_str).map(str::to_owned)).collect();
+            let names = tables.iter().map(name_of).collect();
             let index = choose(names, &path[0], above)?;
             match (tables.get_mut(index), path.len()) {
                 (Some(_), 1) => Err(whole_entry(&path[0])),
@@ -286,7 +317,13 @@ fn whole_entry(segment: &Segment) -> Fault {
 /// The entry of a list a segment chooses, by place or by name.
 fn choose(names: Vec<Option<String>>, segment: &Segment, list: &str) -> Result<usize, Fault> {
     let by_place = segment.key.parse::<usize>().ok().filter(|&index| index < names.len());
-    let by_name = names.iter().position(|name| name.as_deref() == Some(segment.key.as_str()));
+    let named = |name: &Option<String>| name.as_deref() == Some(segment.key.as_str());
+    let by_name = names.iter().position(named);
+    if let Some(last) = names.iter().rposition(named).filter(|last| by_name != Some(*last)) {
+        let message = format!("`{list}` has several entries `{}`", segment.key);
+        let help = format!("choose one by its place, such as {list}.{} or {list}.{last}", by_name.unwrap_or(0));
+        return Err(Fault::new("override", message, segment.at.clone(), "not clear").help(help));
+    }
     by_name.or(by_place).ok_or_else(|| {
         let message = format!("`{list}` has no entry `{}`", segment.key);
         let known: Vec<&str> = names.iter().flatten().map(String::as_str).collect();
@@ -346,6 +383,32 @@ fields = ["velocity"]
     }
 
     #[test]
+    fn texts_in_a_list_need_no_quotes() {
+        let velocity = |text: &str| with("body.plate.velocity", text);
+        assert!(velocity("[0 m/s,-250 m/s]").contains("velocity = [\"0 m/s\",\"-250 m/s\"]"));
+        assert!(velocity("[0, -250 m/s]").contains("velocity = [0,\"-250 m/s\"]"));
+        assert!(with("output.fields", "[velocity, stress]").contains("fields = [\"velocity\",\"stress\"]"));
+        let table = with("body.plate.velocity", "[[0 s, 1], [1 us, -2 m/s]]");
+        assert!(table.contains("velocity = [[\"0 s\",1],[\"1 us\",\"-2 m/s\"]]"), "{table}");
+        // What is no list stays the text it is.
+        for text in ["[", "[a", "[a]]", "]a[", "[a] b", "[,]"] {
+            assert!(!matches!(parse_value(text), Value::Array(_)), "{text}");
+        }
+    }
+
+    #[test]
+    fn motions_are_reached_by_their_region() {
+        let motion = |region: &str| format!("\n[[motion]]\nregion = \"{region}\"\nvelocity = [\"0 m/s\", \"1 m/s\"]\n");
+        let set = |deck: &str, path: &str| apply(deck, &[(path.to_owned(), "7 m/s".to_owned())]).unwrap();
+        let deck = format!("{DECK}{}{}", motion("left"), motion("right"));
+        let (text, refused) = set(&deck, "motion.right.velocity.1");
+        assert!(refused.is_empty() && text == set(&deck, "motion.1.velocity.1").0 && text != deck, "{refused:?}");
+        let twice = format!("{DECK}{}{}", motion("left"), motion("left"));
+        let problem = set(&twice, "motion.left.velocity.1").1[0].problems()[0].to_string();
+        assert!(problem.contains("several entries `left`"), "{problem}");
+    }
+
+    #[test]
     fn entries_of_lists_are_reached_by_place_and_by_name() {
         assert!(with("body.plate.velocity.1", "7 m/s").contains("velocity = [\"0 m/s\", \"7 m/s\"]"));
         assert_eq!(with("body.1.velocity.1", "7 m/s"), with("body.plate.velocity.1", "7 m/s"));
@@ -402,10 +465,10 @@ fields = ["velocity"]
             ("contact.friction", "did you mean `contact.penalty.friction`?"),
             ("body.bar.box", "did you mean `body.bar.shape.box`?"),
             ("time.step-control.courant", "did you mean `time.courant`?"),
-            ("particles.title", "`title` belongs to the top of the deck."),
+            ("particles.title", "`title` belongs to the top of the deck;"),
             ("output.friction", "did you mean `contact.penalty.friction` or `wall.contact.penalty.friction`?"),
             ("particles.alpha", "did you mean `numerics.viscosity.alpha`"),
-            ("particles.end", "`end` belongs to `time`."),
+            ("particles.end", "`end` belongs to `time`;"),
         ] {
             let (_, help) = refused(path, "1");
             assert!(help.starts_with(meant), "{path}: {help}");

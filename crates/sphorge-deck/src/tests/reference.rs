@@ -11,7 +11,7 @@ const HEAD: &str = r#"# Deck reference
 *Generated from the declarations in `crates/sphorge-deck/src/raw`; see `crates/sphorge-deck/src/tests/reference.rs`.*
 
 A deck is a [TOML](https://toml.io) file. The command line can change any key without touching the file:
-`--set particles.spacing="0.6 mm"`. An entry of a list is selected by its name or by its index from 0:
+`--set particles.spacing="0.6 mm"`. An entry of a list is selected by its name, a motion by its region, or by its index from 0:
 `--set body.bar.velocity.1="-250 m/s"`, `--set body.0.material=ofhc-copper`. The deck as run is stored with the results.
 
 ## Quantities
