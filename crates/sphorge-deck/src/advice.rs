@@ -1,5 +1,6 @@
 //! What the chosen method will do with a deck, said before the run.
 
+use super::material::shown;
 use sphorge_engine::Particles;
 use sphorge_engine::model::{
     Body, BodyContact, Dimensions, Formulation, Integrator, Model, Precision, Search, SymmetryPlane, WallSurface,
@@ -52,6 +53,7 @@ pub(crate) fn doubts(model: &Model, particles: &Particles, with_odd_moduli: &[St
         .chain(thrown_back(model, particles))
         .chain(too_coarse_to_break(model))
         .chain(held_as_a_fluid(model))
+        .chain(deleted_behind_facets(model))
         .chain(lone_particles(model, particles))
         .collect()
 }
@@ -70,6 +72,26 @@ fn held_as_a_fluid(model: &Model) -> Vec<String> {
         )
     };
     model.bodies.iter().filter(holds).map(told).collect()
+}
+
+/// Materials of which what fails is deleted from bodies that meet others at their facets: the faces that appear have none.
+fn deleted_behind_facets(model: &Model) -> Vec<String> {
+    let meets_at_facets = matches!(model.contact, BodyContact::Facets { .. }) && model.bodies.len() > 1;
+    let is_deleted = |index: &usize| {
+        let damage = model.materials[*index].damage;
+        damage.is_some_and(|damage| damage.after == AfterFailure::Delete)
+    };
+    let mut used: Vec<usize> = model.bodies.iter().map(|body| body.material).filter(is_deleted).collect();
+    used.sort_unstable();
+    used.dedup();
+    let told = |index: usize| {
+        format!(
+            "material `{}` is deleted where it fails, and the faces that appear behind it have no facets: other bodies pass into it there; choose \
+             `contact.penalty.surfaces = \"overlap\"`, or `after-failure = \"no-tension\"`",
+            model.materials[index].name
+        )
+    };
+    used.into_iter().filter(|_| meets_at_facets).map(told).collect()
 }
 
 /// Bodies in which a crack takes more than their material states, because integrity would fall faster than their particles unload.
@@ -303,15 +325,17 @@ fn beyond_metals(model: &Model, particles: &Particles, with_odd_moduli: &[String
         let (speed, sound) = (squared.sqrt(), material.equation_of_state.reference_sound_speed());
         if speed > FASTEST * sound && !with_odd_moduli.contains(&material.name) {
             notes.push(format!(
-                "body `{}` starts with {speed:.3e} m/s, {:.0} times its speed of sound, beyond the range of the material laws: check the unit",
+                "body `{}` starts with {}, {:.0} times its speed of sound, beyond the range of the material laws: check the unit",
                 body.name,
+                shown(speed, "m/s"),
                 speed / sound
             ));
         }
         if body.temperature > HOTTEST {
             notes.push(format!(
-                "body `{}` starts at {:.3e} K, far above the boiling point of any metal: check the unit",
-                body.name, body.temperature
+                "body `{}` starts at {}, far above the boiling point of any metal: check the unit",
+                body.name,
+                shown(body.temperature, "K")
             ));
         } else if let Some(melting) =
             material.flow_law.melting_temperature().filter(|melting| body.temperature >= *melting)
@@ -391,8 +415,13 @@ fn impacts(model: &Model, particles: &Particles) -> Vec<Impact> {
 
 fn told(impact: &Impact) -> String {
     let Impact { body, is_striker, speed, damage_number } = impact;
+    let damage_number = match *damage_number {
+        large if large >= 1e5 => format!("{large:.1e}"),
+        large if large >= 100.0 => format!("{large:.0}"),
+        small => format!("{small:.2}"),
+    };
     let verb = if *is_striker { "strikes" } else { "is struck" };
-    format!("body `{body}` {verb} at {speed:.0} m/s, damage number rho v^2/Y = {damage_number:.2}")
+    format!("body `{body}` {verb} at {speed:.0} m/s, damage number rho v^2/Y = {damage_number}")
 }
 
 fn of_total_lagrangian(renewal: Option<f64>, hardest: Option<&Impact>) -> Vec<String> {
@@ -465,6 +494,36 @@ mod tests {
     fn notes_of(name: &str, path: &str, value: &str) -> String {
         let deck = decks::find(name).unwrap();
         load_text(name, deck.text, &[(path.to_owned(), value.to_owned())]).unwrap().notes.join("\n")
+    }
+
+    #[test]
+    fn deleted_metal_behind_facets_is_told_with_its_line() {
+        let notes = |after: &str, contact: &str, second: &str| {
+            let deck = format!(
+                "dimensions = \"plane-strain\"\nparticles = {{ spacing = \"1 mm\" }}\ntime = {{ end = \"1 us\" }}\n{contact}\n[material.ofhc-copper]\n\
+                 damage = \"johnson-cook\"\nafter-failure = \"{after}\"\n[[body]]\nname = \"a\"\nmaterial = \"ofhc-copper\"\nvelocity = [\"100 m/s\", 0]\n\
+                 shape = {{ box = {{ min = [0, 0], max = [\"6 mm\", \"6 mm\"] }} }}\n{second}"
+            );
+            load_text("two", &deck, &[]).unwrap_or_else(|report| panic!("{report:?}")).notes.join("\n")
+        };
+        let second = "[[body]]\nname = \"b\"\nmaterial = \"ofhc-copper\"\nshape = { box = { min = [\"6 mm\", 0], max = [\"12 mm\", \"6 mm\"] } }\n";
+        let told = notes("delete", "", second);
+        assert!(told.contains("line 7: material `ofhc-copper` is deleted where it fails"), "{told}");
+        let overlap = "contact = { penalty = { surfaces = \"overlap\" } }";
+        for (after, contact, second) in [("no-tension", "", second), ("delete", overlap, second), ("delete", "", "")] {
+            let told = notes(after, contact, second);
+            assert!(!told.contains("is deleted"), "{told}");
+        }
+    }
+
+    #[test]
+    fn damage_numbers_are_written_to_be_read() {
+        let of = |damage_number: f64| {
+            told(&Impact { body: "bar".to_owned(), is_striker: true, speed: 200.0, damage_number })
+        };
+        for (number, words) in [(0.514, "= 0.51"), (25.0, "= 25.00"), (1234.5, "= 1234"), (9e5, "= 9.0e5")] {
+            assert!(of(number).ends_with(words), "{}", of(number));
+        }
     }
 
     #[test]

@@ -7,7 +7,7 @@ use super::fault::{Entries, Fault, Problems};
 use super::foreign;
 use super::raw::RawDeck;
 use super::suggest::{listed, nearest};
-use super::written::{self, Content, Written, key_span};
+use super::written::{self, Content, Literal, Written, key_span};
 use std::ops::Range;
 use toml_edit::{Item, Table, TableLike};
 
@@ -84,10 +84,26 @@ fn check(written: Written<'_>, expected: &Expected, key: Option<&Key>, path: &st
     };
     if !expected.allows(form) {
         let fault = wrong_form(form, expected, key, path, written.span());
+        let quoted_list = match &content {
+            Content::Scalar(Literal::Text(text))
+                if text.starts_with('[') && !text.starts_with("[[[") && expected.allows(Form::List) =>
+            {
+                Some(text)
+            }
+            _ => None,
+        };
         let has_two_brackets = matches!(written, Written::Item(Item::ArrayOfTables(_)));
         problems.push(match has_two_brackets && expected.allows(Form::Table) {
             true => fault.help(format!("there is one such table, and a single table has one bracket: [{path}]")),
-            false => fault,
+            false => match quoted_list {
+                Some(text) if !text.trim_end().ends_with(']') => {
+                    fault.help("a list ends with a bracket: [\"...\", \"...\"]")
+                }
+                Some(_) => {
+                    fault.help("a list has no quotes around it, each text in it has its own: [\"...\", \"...\"]")
+                }
+                None => fault,
+            },
         });
         return false;
     }
@@ -248,6 +264,12 @@ fn wrong_form(found: Form, expected: &Expected, key: Option<&Key>, path: &str, a
         Some(_) if found == "a table" && expected.item(0).is_some_and(|entry| !entry.keys().is_empty()) => {
             fault.help(format!("a list of tables has two brackets: [[{path}]]"))
         }
+        Some(key) if matches!(expected, Expected::Vector(_)) => match example(key) {
+            Some(example) => {
+                fault.help(format!("for example {example}, with as many components as the deck has dimensions"))
+            }
+            None => fault,
+        },
         _ => with_example(fault, key),
     }
 }
@@ -288,23 +310,27 @@ pub(crate) fn unknown(name: &str, expected: &Expected, path: &str) -> Unknown {
     let message = format!("unknown key `{name}` {place}");
     let half = options.iter().copied().find(|key| key.contains("radius") && *key == name.replace("diameter", "radius"));
     if let Some(radius) = half {
-        let help = format!("write `{radius}`, half of it. Known keys: {}.", listed(options, "and"));
+        let help = format!("write `{radius}`, half of it; known keys: {}", listed(options, "and"));
         return Unknown { message, help, meant: Some(radius) };
     }
     if let Some(instead) = foreign::instead(name, path) {
-        return Unknown { message, help: format!("{instead}Known keys: {}.", listed(options, "and")), meant: None };
+        return Unknown {
+            message,
+            help: format!("{}; known keys: {}", instead.trim_end().trim_end_matches('.'), listed(options, "and")),
+            meant: None,
+        };
     }
     // A key that is right elsewhere is meant, rather than one that looks alike here.
     let elsewhere = along(name, expected, path).or_else(|| {
         let tables = tables_with(name);
-        (!tables.is_empty()).then(|| format!("`{name}` belongs to {}. ", listed(tables, "or")))
+        (!tables.is_empty()).then(|| format!("`{name}` belongs to {}; ", listed(tables, "or")))
     });
     let meant = if elsewhere.is_some() { None } else { nearest(name, options.iter().copied()) };
     let near = || match meant {
         Some(key) => Some(format!("did you mean `{key}`? ")),
         None => question(anywhere(name)),
     };
-    let help = elsewhere.or_else(near).unwrap_or_default() + &format!("Known keys: {}.", listed(options, "and"));
+    let help = elsewhere.or_else(near).unwrap_or_default() + &format!("known keys: {}", listed(options, "and"));
     Unknown { message, help, meant }
 }
 
@@ -360,7 +386,7 @@ fn along(name: &str, expected: &Expected, path: &str) -> Option<String> {
     let knows = |table: &Expected| table.keys().iter().any(|key| key.name == name);
     let above = tables.into_iter().rev().find(|(table, _)| knows(table))?.1;
     Some(match above.as_str() {
-        "" => format!("`{name}` belongs to the top of the deck. "),
+        "" => format!("`{name}` belongs to the top of the deck; "),
         _ => format!("did you mean `{above}.{name}`? "),
     })
 }

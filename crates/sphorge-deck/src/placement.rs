@@ -2,6 +2,7 @@
 
 use super::fault::{Fault, Problems};
 use super::interpret::SourceSpans;
+use super::material::shown;
 use sphorge_engine::Particles;
 use sphorge_engine::geometry::{
     BoundingPlane, FillError, FilledMass, LARGEST_CLOSURE, MASS_TOLERANCE, MAX_PARTICLES, PressedBodies,
@@ -18,6 +19,14 @@ pub(crate) fn millimetres(length: f64) -> String {
 fn point(position: [f64; 3], model: &Model) -> String {
     let axes: Vec<String> = position.iter().take(model.dimensions.count()).map(|c| format!("{:.4}", c * 1e3)).collect();
     format!("({}) mm", axes.join(", "))
+}
+
+/// Size of a body, m, from which on one that has too many particles may be of millimetres.
+const LARGE: f64 = 1.0;
+
+/// A value to three digits.
+fn significant(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
 }
 
 /// Spacings a particle may be away from the point of the tracer that follows it.
@@ -184,13 +193,26 @@ pub(crate) fn fault(error: FillError, model: &Model, places: &SourceSpans) -> Fa
             } else {
                 "; check the units".to_owned()
             };
+            let (low, high) = model.bodies[body].shape.bounds(model.dimensions);
+            let extents = low.iter().zip(&high).take(model.dimensions.count()).map(|(low, high)| high - low);
+            let across = extents.filter(|extent| extent.is_finite()).fold(0.0, f64::max);
+            let size = if across >= LARGE {
+                format!(
+                    "body `{}` is {} across, and a number without a unit is in SI, so lengths in metres: check the units; ",
+                    name(body),
+                    shown(significant(across), "m")
+                )
+            } else {
+                String::new()
+            };
+            let cure = if size.is_empty() { cure } else { String::new() };
             let kept = match model.time.step_control {
                 Some(_) if limit < MAX_PARTICLES => ", `time.step-control.repeats = 0` nearly halves the memory",
                 _ => "",
             };
             Fault::new("too-many-particles", message, spacing_of(body), "at this spacing")
                 .also(places.bodies[body].clone(), "most of them here")
-                .help(format!("{why} {limit:.0e} particles{cure}{kept}"))
+                .help(format!("{size}{why} {limit:.0e} particles{cure}{kept}"))
         }
         FillError::Crowded { body, position, count, spacing } => {
             let message = format!("particles of body `{}` are much closer to each other than its spacing", name(body));

@@ -3,6 +3,7 @@
 use super::declare::Read;
 use super::expected::Expected;
 use super::fault::{Fault, Problems};
+use super::material::shown;
 use super::quantity::{QuantityKind, parse_quantity};
 use super::written::{Content, Literal, Written};
 use sphorge_physics::parameter::Bound;
@@ -13,6 +14,9 @@ const LARGEST: f64 = 1e30;
 
 /// Temperature below which nobody begins with metal, K: one below it, without a unit, is in degrees Celsius.
 const COLDEST: f64 = 150.0;
+
+/// Spacing from which on one without a unit may be in millimetres, m.
+const LARGE_SPACING: f64 = 0.05;
 
 /// A single value and its place.
 pub(crate) struct Scalar {
@@ -118,6 +122,17 @@ impl Scalar {
         if bound.allows(value) {
             return Some(value);
         }
+        let fault = self.out_of(bound, kind);
+        let is_share = bound == Bound::Between(0.0, 1.0) && kind == QuantityKind::NUMBER;
+        problems.push(match is_share && value > 1.0 && value <= 100.0 {
+            true => fault.help(format!("it is a share, not a percentage: {value} % is {}", shown(value / 100.0, ""))),
+            false => fault,
+        });
+        None
+    }
+
+    /// The fault of a value that is out of a bound.
+    pub(crate) fn out_of(&self, bound: Bound, kind: QuantityKind) -> Fault {
         let wanted = match bound {
             Bound::Any => "finite".to_owned(),
             Bound::Positive => "above zero".to_owned(),
@@ -125,9 +140,19 @@ impl Scalar {
             Bound::NonNegative => "zero or above".to_owned(),
             Bound::Between(low, high) => format!("between {low} and {high}"),
         };
-        let fault = self.fault("out-of-range", format!("the {} must be {wanted}", kind.name));
-        problems.push(fault);
-        None
+        self.fault("out-of-range", format!("the {} must be {wanted}", kind.name))
+    }
+
+    /// Notes that a length in metres may be one in millimetres of which the unit was left out.
+    pub(crate) fn doubt_metres(&self, length: f64, problems: &mut Problems) {
+        if length < LARGE_SPACING || !self.has_no_unit() {
+            return;
+        }
+        let note = format!(
+            "`{}` is {length} m, since a number without a unit is in SI, as are those of shapes: write \"{length} mm\" or \"{length} m\"",
+            self.with_its_key(problems.text())
+        );
+        problems.doubt(&self.span, note);
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::coefficients::coefficients;
 use super::drives;
+use super::material::shown;
 use super::reach::ways;
 use sphorge_engine::Particles;
 use sphorge_engine::geometry::pressed_at_start;
@@ -133,8 +134,9 @@ fn of_material(material: &Material) -> Option<String> {
     let yields = material.flow_law.yield_stress(FlowState::at_rest(material.reference_temperature), &history).value;
     (yields > 0.0 && yields < LEAST_YIELD * material.shear_modulus).then(|| {
         format!(
-            "material `{}` yields at {yields:.3e} Pa, {:.0e} of its shear modulus, as no metal does: write the unit, as in `\"350 MPa\"`",
+            "material `{}` yields at {}, {:.0e} of its shear modulus: no metal yields at so little; write the unit, as in `\"350 MPa\"`",
             material.name,
+            shown(yields, "Pa"),
             yields / material.shear_modulus
         )
     })
@@ -418,18 +420,18 @@ mod tests {
     fn numbers_in_tonnes_and_millimetres_are_told() {
         told(
             &[("\"7850 kg/m^3\"", "7.85e-9"), ("\"210 GPa\"", "210000"), ("\"350 MPa\"", "350")],
-            &["`m`", "density of 7.850e-9 kg/m^3", "in SI"],
+            &["`m`", "density of 7.85e-9 kg/m^3", "in SI"],
         );
         // With the right density, the modulus alone.
         told(
             &[("\"210 GPa\"", "210000"), ("\"350 MPa\"", "350")],
-            &["Young's modulus of 2.100e5 Pa", "\"210 GPa\" meant"],
+            &["Young's modulus of 2.1e5 Pa", "\"210 GPa\" meant"],
         );
     }
 
     #[test]
     fn a_yield_stress_of_350_pascal_is_told() {
-        told(&[("\"350 MPa\"", "350")], &["`m` yields at 3.500e2 Pa", "350 MPa"]);
+        told(&[("\"350 MPa\"", "350")], &["`m` yields at 350 Pa", "350 MPa"]);
         assert_eq!(notes(&[("\"350 MPa\"", "\"1 MPa\"")]), [""; 0]);
     }
 

@@ -123,8 +123,8 @@ pub(crate) fn suggest<'a>(word: &str, options: impl IntoIterator<Item = &'a str>
     let count = options.clone().into_iter().count();
     let near = did_you_mean(like(word, options.clone()));
     let all = match count {
-        0 => format!("The deck has no {what}."),
-        1..=30 => format!("There {} {}.", if count == 1 { "is" } else { "are" }, listed(options, "and")),
+        0 => format!("the deck has no {what}"),
+        1..=30 => format!("there {} {}", if count == 1 { "is" } else { "are" }, listed(options, "and")),
         _ => String::new(),
     };
     (near + &all).trim().to_owned()

@@ -86,6 +86,23 @@ impl<K: Kind> Given<K> {
         self.0.bounded(K::KIND, bound, problems)
     }
 
+    /// The same, with what to do about a value that is not.
+    pub(crate) fn within_saying(&self, bound: Bound, help: &str, problems: &mut Problems) -> Option<f64> {
+        let value = self.si(problems)?;
+        if bound.allows(value) {
+            return Some(value);
+        }
+        problems.push(self.0.out_of(bound, K::KIND).help(help));
+        None
+    }
+
+    /// A spacing of particles: without a unit, one that is large may be of millimetres.
+    pub(crate) fn spacing(&self, problems: &mut Problems) -> Option<f64> {
+        let spacing = self.positive(problems)?;
+        self.0.doubt_metres(spacing, problems);
+        Some(spacing)
+    }
+
     pub(crate) fn positive(&self, problems: &mut Problems) -> Option<f64> {
         self.within(Bound::Positive, problems)
     }
@@ -190,7 +207,7 @@ fn chosen(
     meant: fn(&str) -> Option<&'static str>,
     problems: &mut Problems,
 ) -> Option<usize> {
-    let choose = format!("Choose {}.", listed(words.iter().copied(), "or"));
+    let choose = format!("choose {}", listed(words.iter().copied(), "or"));
     let Literal::Text(text) = &scalar.literal else {
         let fault = scalar.fault("wrong-type", format!("expected a word in quotes: the {what}"));
         problems.push(fault.help(choose));

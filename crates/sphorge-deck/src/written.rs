@@ -107,10 +107,20 @@ pub(crate) fn parse(problems: &mut Problems) -> Option<Document<String>> {
         .ok()
 }
 
+/// Quotes that word processors and web pages put in the place of plain ones.
+pub(crate) const TYPOGRAPHIC: &[char] =
+    &['\u{201c}', '\u{201d}', '\u{201e}', '\u{201f}', '\u{2018}', '\u{2019}', '\u{ab}', '\u{bb}'];
+
 /// What a user is told of a slip of syntax: what the parser says of it, or what it means in a deck.
 fn told(message: &str, at: &Range<usize>, text: &str) -> (String, &'static str) {
     let word = text.get(at.clone()).unwrap_or_default();
     let before = text.get(..at.start).unwrap_or_default().trim_end();
+    if let Some(quote) = word.chars().find(|c| TYPOGRAPHIC.contains(c)) {
+        return (
+            format!("`{quote}` is a typographic quote, not one of a deck"),
+            "write the plain quote \" before and behind the text; word processors replace it",
+        );
+    }
     if message.contains("must be quoted") {
         return (
             format!("`{word}` must be in quotes"),

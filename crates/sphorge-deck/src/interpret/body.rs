@@ -99,7 +99,7 @@ pub(crate) fn body(
     let shape = body_shape(&raw.shape, dimensions, raw.name.span(), problems);
     let velocity = raw.velocity.as_ref().map_or(Some([0.0; 3]), |v| vector(v, dimensions, problems));
     let spin = raw.spin.as_ref().map_or(Some(([0.0; 3], [0.0; 3])), |s| spin(s, dimensions, raw.name.span(), problems));
-    let spacing = raw.spacing.as_ref().map_or(particles.spacing, |s| s.positive(problems));
+    let spacing = raw.spacing.as_ref().map_or(particles.spacing, |s| s.spacing(problems));
     let ratio = smoothing(raw.smoothing.as_ref(), particles.smoothing, problems);
     let lattice = lattice(raw, shape.as_ref(), dimensions, particles, problems);
     let temperature = raw.temperature.as_ref().map(|t| t.within(Bound::NonNegative, problems));

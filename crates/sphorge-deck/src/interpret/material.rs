@@ -91,7 +91,10 @@ impl Library {
             at,
             "neither in the deck nor in the catalogue",
         )
-        .help(format!("{near}`sphorge materials` lists the catalogue; [material.{name}] defines your own."))
+        .help(format!(
+            "{near}`sphorge materials` lists the catalogue; [material.{}] defines your own",
+            toml_edit::Key::new(name).display_repr()
+        ))
         .if_all_entries_are_read()
     }
 

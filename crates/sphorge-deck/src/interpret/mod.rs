@@ -242,7 +242,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     }
     let dimensions = raw.dimensions.as_ref().and_then(|word| word.get(problems));
     let spacing_given = raw.particles.as_ref().and_then(|particles| particles.spacing.as_ref());
-    let spacing = spacing_given.and_then(|spacing| spacing.positive(problems));
+    let spacing = spacing_given.and_then(|spacing| spacing.spacing(problems));
     let method = numerics::method(raw, problems);
     let (strategy, usual) = (method.map(|m| m.0), method.map_or_else(|| Method::of(None).choices(), |m| m.1));
     let mut numerics = numerics::numerics(&raw.numerics, &usual, problems);

@@ -29,6 +29,9 @@ impl Subjects {
             if let Some(strength) = &material.strength {
                 add(format!("material `{}` yields", name.get_ref()), strength.span());
             }
+            if let Some(after_failure) = &material.after_failure {
+                add(format!("material `{}` is deleted", name.get_ref()), after_failure.span());
+            }
             if let Some(conductivity) = &material.conductivity {
                 add(format!("material `{}` has a `conductivity`", name.get_ref()), conductivity.span());
             }

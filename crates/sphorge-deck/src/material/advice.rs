@@ -3,7 +3,9 @@
 use super::breaking::breaking;
 use super::constants::Constants;
 use super::plausible::implausible;
-use super::poisson::{OF_METALS, STATED_NEARLY, STATED_WITHIN, nearly_incompressible, poisson_ratio, ratio_of_waves};
+use super::poisson::{
+    OF_METALS, STATED_NEARLY, STATED_WITHIN, nearly_incompressible, poisson_ratio, ratio_of_waves, small_poisson_ratio,
+};
 use crate::suggest::listed;
 use sphorge_engine::model::Material;
 use sphorge_physics::flow::FlowState;
@@ -13,7 +15,7 @@ pub(crate) fn advice(constants: &Constants, material: &Material) -> Vec<String> 
     let slip = slip_of_unit(constants, material);
     let odd = beyond_matter(constants, material, slip.is_some());
     // What a wrong density or modulus leads to is not told.
-    let has_slip = slip.is_some() || odd.iter().any(|note| note.contains("that of no matter"));
+    let has_slip = slip.is_some() || odd.iter().any(|note| note.contains("no material has such a"));
     let ratio = if has_slip { None } else { poisson_ratio(constants, material) };
     let is_odd = |what: &&str| odd.iter().any(|note| note.contains(&format!("its {what} of")));
     let has_moduli =
@@ -82,7 +84,8 @@ fn slip_of_unit(constants: &Constants, material: &Material) -> Option<String> {
     let factor = factor.filter(|_| bears_too_much || is_soft || (is_odd_ratio && density >= DENSITIES.0))?;
     let giga = (modulus * factor / 1e9 * 1e6).round() / 1e6;
     Some(format!(
-        "material `{name}`: a {given} of {modulus:.3e} Pa is that of no metal with a density of {density} kg/m^3: is \"{giga} GPa\" meant?"
+        "material `{name}`: a {given} of {} is that of no metal with a density of {density} kg/m^3: is \"{giga} GPa\" meant?",
+        super::shown(modulus, "Pa")
     ))
 }
 
@@ -101,8 +104,9 @@ fn slip_beside_shear(constants: &Constants, material: &Material) -> Option<Strin
     let giga = |value: f64| (value / 1e9 * 1e6).round() / 1e6;
     meant.filter(|_| ratio(modulus) < 0.0).map(|meant| {
         format!(
-            "material `{}`: a {what} of {modulus:.3e} Pa does not go with a shear modulus of {} GPa: is \"{} GPa\" meant?",
+            "material `{}`: a {what} of {} does not go with a shear modulus of {} GPa: is \"{} GPa\" meant?",
             material.name,
+            super::shown(modulus, "Pa"),
             giga(shear),
             giga(meant)
         )
@@ -113,7 +117,7 @@ fn slip_beside_shear(constants: &Constants, material: &Material) -> Option<Strin
 pub(crate) fn is_of_moduli(note: &str) -> bool {
     let is_of = |what: &str| note.contains(&format!("its {what} of"));
     ["that of no metal with", "that of a gas", "does not go with a shear"].iter().any(|words| note.contains(words))
-        || (note.contains("that of no matter")
+        || (note.contains("no material has such a")
             && ["density", "shear modulus", "speed of sound", "`sound-speed`"].iter().any(|what| is_of(what)))
 }
 
@@ -153,16 +157,17 @@ fn beyond_matter(constants: &Constants, material: &Material, has_slip: bool) -> 
         .map(|(name, value, _, unit, example)| {
             // A speed that the user wrote, or one that follows.
             let written = constants.equation_of_state.as_ref().and_then(|law| law.get("sound-speed"));
-            let (name, unit) = match (name, written) {
+            let (of, unit) = match (name, written) {
                 ("speed of sound", Some(_)) => ("`sound-speed`".to_owned(), unit.to_owned()),
                 ("speed of sound", None) => {
-                    (name.to_owned(), format!("{unit}, by density and {},", listed(constants.elastic.keys(), "and")))
+                    (name.to_owned(), format!("{unit} (by density and {})", listed(constants.elastic.keys(), "and")))
                 }
                 _ => (name.to_owned(), unit.to_owned()),
             };
             format!(
-                "material `{}`: its {name} of {value:.3e} {unit} is that of no matter: check the unit; a number without one is in SI, and {example}",
-                material.name
+                "material `{}`: check its {of} of {} {unit}: no material has such a {name}; a number without a unit is in SI, and {example}",
+                material.name,
+                super::shown(value, "")
             )
         })
         .collect();
@@ -171,13 +176,15 @@ fn beyond_matter(constants: &Constants, material: &Material, has_slip: bool) -> 
         !is_odd_modulus && *yields > (0.5 * material.shear_modulus).max(super::plausible::BORNE_BY_SOFT)
     }) {
         told.push(format!(
-            "material `{}` yields at {yields:.3e} Pa, {:.1} times its shear modulus, where no lattice of atoms bears more than {IDEAL_STRENGTH}: check the unit",
+            "material `{}` yields at {}, {:.1} times its shear modulus: no solid bears more than {IDEAL_STRENGTH} of it; check the unit",
             material.name,
+            super::shown(yields, "Pa"),
             yields / material.shear_modulus
         ));
     }
     if !has_slip {
         told.extend(soft);
+        told.extend(small_poisson_ratio(constants, material));
     }
     let stated = constants.elastic.completed().and_then(|elastic| elastic.poisson);
     if let Some(nu) = stated.filter(|nu| *nu < 0.0 && !has_slip) {
@@ -221,10 +228,11 @@ mod tests {
         };
         let told = with(&|c| c.specific_heat = Some(1e-300));
         assert!(
-            told.len() == 1 && told[0].contains("specific heat of 1.000e-300 J/(kg K) is that of no matter"),
+            told.len() == 1
+                && told[0].contains("specific heat of 1e-300 J/(kg K): no material has such a specific heat"),
             "{told:?}"
         );
-        assert!(with(&|c| c.density = Some(1e20)).iter().any(|text| text.contains("density of 1.000e20 kg/m^3")));
+        assert!(with(&|c| c.density = Some(1e20)).iter().any(|text| text.contains("density of 1e20 kg/m^3")));
         assert_eq!(with(&|c| c.specific_heat = Some(100.0)), Vec::<String>::new());
         let mut foam = copper.clone();
         foam.elastic = Default::default();
@@ -252,7 +260,10 @@ mod tests {
             notes_of("\"7850 kg/m^3\"", "\"210 GPa\"", "\"linear\"", &strength)
         };
         let told = of("500 GPa");
-        assert!(told.len() == 1 && told[0].contains("yields at 5.000e11 Pa, 6.3 times its shear modulus"), "{told:?}");
+        assert!(
+            told.len() == 1 && told[0].contains("yields at 5e11 Pa, 6.3 times its shear modulus: no solid bears"),
+            "{told:?}"
+        );
         assert_eq!(of("5 GPa"), [""; 0]);
         // Conductivity in W/(mm K) with the unit of SI.
         let copper = entry("ofhc-copper").unwrap().clone();
@@ -292,9 +303,9 @@ mod tests {
                     (
                         metal.0,
                         "70000",
-                        "Young's modulus of 7.000e4 Pa is that of no metal with a density of 2700 kg/m^3: is \"70 GPa\" meant?",
+                        "Young's modulus of 70000 Pa is that of no metal with a density of 2700 kg/m^3: is \"70 GPa\" meant?",
                     ),
-                    (metal.0, "\"70 MPa\"", "Young's modulus of 7.000e7 Pa"),
+                    (metal.0, "\"70 MPa\"", "Young's modulus of 7e7 Pa"),
                     (metal.0, "70", "is \"70 GPa\" meant?"),
                 ] {
                     let told = notes_of(density, young, law, strength);
@@ -332,13 +343,13 @@ mod tests {
         for (constants, meant) in [
             (
                 "young-modulus = 210000\npoisson-ratio = 0.3",
-                "line 6: material `armco-iron`: a Young's modulus of 2.100e5 Pa is that of no",
+                "line 6: material `armco-iron`: a Young's modulus of 2.1e5 Pa is that of no",
             ),
             (
                 "young-modulus = 210000\nshear-modulus = \"80 GPa\"",
                 "does not go with a shear modulus of 80 GPa: is \"210 GPa\" meant?",
             ),
-            ("bulk-modulus = 160000\nshear-modulus = \"80 GPa\"", "a bulk modulus of 1.600e5 Pa does not go with"),
+            ("bulk-modulus = 160000\nshear-modulus = \"80 GPa\"", "a bulk modulus of 1.6e5 Pa does not go with"),
             ("young-modulus = 210000\nbulk-modulus = \"160 GPa\"", "is \"210 GPa\" meant?"),
             ("shear-modulus = 80000\npoisson-ratio = 0.3", "line 6: "),
         ] {

@@ -25,7 +25,7 @@ fn constants_key(key: &str) -> bool {
 }
 
 /// A value with its SI unit, for people, to six digits.
-fn shown(value: f64, unit: &str) -> String {
+pub(crate) fn shown(value: f64, unit: &str) -> String {
     let value = format!("{value:.5e}").parse().unwrap_or(value);
     let is_short = value == 0.0 || (1e-3..1e5).contains(&value.abs());
     let text = if is_short { format!("{value} {unit}") } else { format!("{value:e} {unit}") };

@@ -64,6 +64,23 @@ pub(super) fn poisson_ratio(constants: &Constants, material: &Material) -> Optio
     }
 }
 
+/// Poisson's ratio below which a stated one is none of a metal: that of uranium is 0.20.
+const LEAST_STATED: f64 = 0.1;
+
+/// A stated Poisson's ratio that is positive and below that of any metal. Zero leaves the coupling out, as in problems along a line.
+pub(super) fn small_poisson_ratio(constants: &Constants, material: &Material) -> Option<String> {
+    let nu = constants.elastic.poisson?;
+    (nu > 0.0 && nu < LEAST_STATED && usual(material) == OF_METALS).then(|| {
+        format!(
+            "material `{}`: its Poisson's ratio of {} is below that of any metal: metals have {:.2} to {:.2}",
+            material.name,
+            super::shown(nu, ""),
+            OF_METALS.0,
+            OF_METALS.1
+        )
+    })
+}
+
 /// Poisson's ratio above which a material hardly changes its volume: metals have less than 0.45, and 0.49 is enough for rubber.
 const NEARLY_INCOMPRESSIBLE: f64 = 0.49;
 
@@ -152,6 +169,20 @@ mod tests {
             let law = solid.equation_of_state.as_mut().unwrap();
             law.values = vec![("sound-speed", sound), ("shock-slope", slope), ("gruneisen", 1.2)];
             assert_eq!(advice_of(&solid), Vec::<String>::new(), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_ratio_below_that_of_any_metal_is_told_unless_it_is_of_another_matter() {
+        let of = |poisson: f64, density: f64| {
+            let mut solid = entry("copper-elastic").unwrap().clone();
+            (solid.elastic.poisson, solid.density) = (Some(poisson), Some(density));
+            advice_of(&solid)
+        };
+        let told = of(0.03, 8960.0);
+        assert!(told.len() == 1 && told[0].contains("ratio of 0.03 is below that of any metal"), "{told:?}");
+        for (poisson, density) in [(0.0, 8960.0), (0.1, 8960.0), (0.3, 8960.0), (0.03, 240.0)] {
+            assert_eq!(of(poisson, density), Vec::<String>::new(), "{poisson} {density}");
         }
     }
 

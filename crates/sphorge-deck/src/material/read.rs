@@ -8,6 +8,10 @@ use crate::value::{Choice, Given, Kind, ScalarOr, Word};
 use sphorge_physics::parameter::Bound;
 use std::{collections::BTreeMap, ops::Range};
 
+/// Poisson's ratios that can be computed with.
+const POISSON: Bound = Bound::Between(-0.999, 0.4999);
+const POISSON_HELP: &str = "metals have 0.20 to 0.47; 0.5 does not change its volume at all, and its bulk modulus is infinite: 0.49 is enough for rubber";
+
 /// Constants in SI units; faults leave their key out.
 pub(crate) fn constants(raw: &RawMaterial, problems: &mut Problems) -> Constants {
     fn read<K: Kind>(given: &Option<Given<K>>, bound: Bound, problems: &mut Problems) -> Option<f64> {
@@ -24,7 +28,7 @@ pub(crate) fn constants(raw: &RawMaterial, problems: &mut Problems) -> Constants
         elastic: ElasticConstants {
             shear: read(&raw.shear_modulus, Bound::Positive, problems),
             young: read(&raw.young_modulus, Bound::Positive, problems),
-            poisson: read(&raw.poisson_ratio, Bound::Between(-0.999, 0.4999), problems),
+            poisson: raw.poisson_ratio.as_ref().and_then(|ratio| ratio.within_saying(POISSON, POISSON_HELP, problems)),
             bulk: read(&raw.bulk_modulus, Bound::Positive, problems),
         },
         equation_of_state: raw.equation_of_state.as_ref().and_then(|l| law(l, problems)),

@@ -182,7 +182,7 @@ fn rings_are_halved_and_quartered_by_symmetry_planes() {
     let tube = |planes: &str, low: &str| {
         format!(
             "dimensions = \"3d\"\nsymmetry = [{planes}]\ntime = {{ end = 1, max-steps = 1 }}\n\
-             particles = {{ spacing = 0.05, lattice = \"rings\" }}\n[[body]]\nname = \"tube\"\nmaterial = \"ofhc-copper\"\nvelocity = [0, 0, 1]\n\
+             particles = {{ spacing = \"0.05 m\", lattice = \"rings\" }}\n[[body]]\nname = \"tube\"\nmaterial = \"ofhc-copper\"\nvelocity = [0, 0, 1]\n\
              [[body.shape.intersection]]\n\
              cylinder = {{ from = [0, 0, 0], to = [0, 0, 0.2], radius = 0.52, inner-radius = 0.27 }}\n\
              [[body.shape.intersection]]\nbox = {{ min = {low}, max = [1, 1, 1] }}\n"
@@ -208,7 +208,8 @@ fn rings_are_halved_and_quartered_by_symmetry_planes() {
 fn a_lattice_that_weighs_more_or_less_than_its_shape_is_told() {
     // Three cells of 0.3 along either edge of a square of 1: 0.81 of its area.
     let square = |rest: &str| {
-        let head = "dimensions = \"plane-strain\"\ntime = { end = 1, max-steps = 1 }\nparticles = { spacing = 0.3 }\n";
+        let head =
+            "dimensions = \"plane-strain\"\ntime = { end = 1, max-steps = 1 }\nparticles = { spacing = \"0.3 m\" }\n";
         format!("{head}{}velocity = [1, 0]\n{rest}", BOX.replace("\"m\"", "\"ofhc-copper\""))
     };
     let told = notes(&square(""));
@@ -220,12 +221,12 @@ fn a_lattice_that_weighs_more_or_less_than_its_shape_is_told() {
     assert!((mass.mass / (8960.0 * 0.81) - 1.0).abs() < 1e-12 && (mass.shape_mass - 8960.0).abs() < 1e-9);
     // Masses are those of the cells: the density of the start is the reference density in the space that is filled.
     assert!(setup.particles.mass.iter().all(|m| (m / (8960.0 * 0.09) - 1.0).abs() < 1e-12));
-    let told = notes(&square("spacing = 0.5\nplacement = \"on-faces\"\n"));
+    let told = notes(&square("spacing = \"0.5 m\"\nplacement = \"on-faces\"\n"));
     assert_eq!(
         told,
         ["line 5: body `b`: its particles have 125.0 % more mass than its shape; `placement = \"cell-centres\"`"]
     );
-    assert_eq!(notes(&square("spacing = 0.5\n")), Vec::<String>::new());
+    assert_eq!(notes(&square("spacing = \"0.5 m\"\n")), Vec::<String>::new());
 }
 
 #[test]

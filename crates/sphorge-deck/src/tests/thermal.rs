@@ -198,6 +198,24 @@ fn a_material_that_heat_does_not_enter_is_told() {
 }
 
 #[test]
+fn spacings_that_may_be_in_millimetres_are_told() {
+    let notes = |spacing: &str| {
+        let deck = format!(
+            "dimensions = \"plane-strain\"\nparticles = {{ spacing = {spacing} }}\ntime = {{ end = 1, max-steps = 1 }}\n[[body]]\nname = \"b\"\n\
+             material = \"ofhc-copper\"\nvelocity = [1, 0]\nshape = {{ box = {{ min = [0, 0], max = [6, 6] }} }}\n"
+        );
+        load_text("deck", &deck, &[]).unwrap_or_else(|report| panic!("{report:?}")).notes.join("\n")
+    };
+    for spacing in ["1", "\"1\"", "0.5"] {
+        let told = notes(spacing);
+        let (number, rest) = (spacing.trim_matches('"'), "m, since a number without a unit is in SI");
+        let words = format!("line 2: `spacing = {spacing}` is {number} {rest}");
+        assert!(told.contains(&words) && told.contains(&format!("write \"{number} mm\"")), "{told}");
+    }
+    assert!(!notes("\"1 m\"").contains("since a number"), "{}", notes("\"1 m\""));
+}
+
+#[test]
 fn temperatures_that_may_be_in_degrees_celsius_are_told() {
     let deck = |body: &str, ambient: &str, constants: &str| {
         format!(
