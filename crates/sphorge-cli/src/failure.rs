@@ -1,6 +1,7 @@
 //! How a command ends, and the exit code scripts see.
 
 use miette::Report;
+use sphorge::output::OutputError;
 
 /// A command that ended without failing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +51,14 @@ impl Failure {
             #[cfg(feature = "mpi")]
             Self::ToldOfBadInput => None,
         }
+    }
+}
+
+/// What cannot be read, or written at the place that was given, is bad input; a disk that takes no more is a failure.
+pub(crate) fn of_output(error: OutputError) -> Failure {
+    match error {
+        OutputError::Write { .. } if !error.is_of_the_place() => Failure::Failed(error.into()),
+        _ => Failure::BadInput(error.into()),
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::{
     commands::run::parse_threads,
     engine_arguments::EngineArguments,
-    failure::{Ending, Failure, Outcome},
+    failure::{Ending, Failure, Outcome, of_output},
     readable,
     signals::StopFlag,
     terminal,
@@ -42,7 +42,7 @@ pub(crate) struct SweepRunArguments {
     quiet: bool,
 }
 
-/// What is wrong with a sweep is bad input, unless its folder cannot be written.
+/// What is wrong with a sweep is bad input.
 pub(crate) fn failure(error: SweepError) -> Failure {
     Failure::BadInput(error.into())
 }
@@ -77,7 +77,7 @@ impl SweepRunArguments {
     /// Writes the table to a Parquet file, if one was asked for.
     pub(crate) fn write_parquet(&self, table: &SweepTable) -> Result<(), Ending> {
         match &self.parquet {
-            Some(path) => table.write_parquet(path).map_err(|error| Err(Failure::Failed(error.into()))),
+            Some(path) => table.write_parquet(path).map_err(|error| Err(of_output(error))),
             None => Ok(()),
         }
     }
@@ -184,6 +184,7 @@ impl Maker<'_> {
         table.map_err(|error| match error {
             // The folder is another one's.
             SweepError::Locked { .. } | SweepError::Another { .. } => Err(failure(error)),
+            SweepError::Output(error) => Err(of_output(error)),
             error => Err(Failure::Failed(error.into())),
         })
     }

@@ -81,6 +81,9 @@ fn what_is_told_of_bad_command_lines_is_what_was_read_in_a_review() {
     fs::write(place.path("decks-here/two.toml"), "title = \"two\"\n").unwrap();
     place.run(&["run", "heat-slab", "--set", "time.max-steps=2", "-o", "runs/bar", "--quiet"]).expect_code(0);
     place.run(&["run", "heat-slab", "--set", "time.max-steps=2", "-o", "a-run", "--quiet"]).expect_code(0);
+    // As a run that was killed before its first checkpoint leaves it.
+    place.run(&["run", "heat-slab", "--set", "time.max-steps=2", "-o", "killed", "--quiet"]).expect_code(0);
+    fs::remove_file(place.path("killed/summary.json")).unwrap();
     let mut changed = Vec::new();
     for path in files {
         let expected = fs::read_to_string(&path).unwrap();

@@ -84,7 +84,7 @@ fn pieces_of_a_torn_strip_are_listed() {
         .expect_told(&["no body `srtip`", "did you mean `strip`?"]);
     place.run(&["fragments", "torn", "--frame", "99"]).expect_code(2).expect_told(&["99"]);
     place.run(&["fragments", "torn", "--frame=-1"]).expect_code(2).expect_told(&["count from zero"]);
-    place.run(&["fragments", "torn", "--csv", "torn"]).expect_code(1);
+    place.run(&["fragments", "torn", "--csv", "torn"]).expect_code(2).expect_told(&["name a file in it"]);
     // Frames without the deformation, and without the body, which is the only one.
     let run = ["run", "torn.toml", "-o", "lean", "--set", "output.fields=[\"velocity\",\"integrity\"]"];
     place.run(&run).expect_code(0);

@@ -1,7 +1,7 @@
 //! `sphorge fragments`: what has broken off in a run.
 
 use crate::{
-    failure::{Ending, Failure, Outcome},
+    failure::{Ending, Failure, Outcome, of_output},
     terminal,
 };
 use clap::Args;
@@ -75,7 +75,7 @@ pub(crate) fn execute(arguments: FragmentsArguments) -> Ending {
         }
     }
     if let Some(file) = &csv {
-        FragmentTable::write_csv(&tables, file).map_err(|error| Failure::Failed(error.into()))?;
+        FragmentTable::write_csv(&tables, file).map_err(of_output)?;
     }
     if json {
         terminal::print(&format!("{}\n", terminal::json(&tables)?))?;

@@ -6,7 +6,7 @@ use crate::{
         picture_names::{section_word, view_word},
         plot_quantities::{read_quantities, read_width},
     },
-    failure::{Ending, Failure, Outcome},
+    failure::{Ending, Failure, Outcome, of_output},
     readable::quantity,
     terminal,
 };
@@ -481,7 +481,8 @@ fn frame_word(frame: FrameChoice, series: &[(f64, PathBuf)]) -> String {
 /// A disk that takes no more is a failure, everything else a wrong folder, field or column.
 fn failure(error: PlotError) -> Failure {
     match error {
-        PlotError::Output(OutputError::Write { .. }) | PlotError::Encode { .. } => Failure::Failed(error.into()),
+        PlotError::Output(error) => of_output(error),
+        PlotError::Encode { .. } => Failure::Failed(error.into()),
         _ => Failure::BadInput(error.into()),
     }
 }

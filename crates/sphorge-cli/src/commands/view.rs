@@ -3,12 +3,11 @@
 use crate::{
     browser,
     commands::picture_arguments::{ColorArgument, parse_mirror, parse_range, parse_section, refuse_planes_as_folders},
-    failure::{Ending, Failure, Outcome},
+    failure::{Ending, Failure, Outcome, of_output},
     terminal,
 };
 use clap::Args;
 use sphorge::{
-    output::OutputError,
     plot::{FrameChoice, Mirror, Section, View},
     view::{ViewError, ViewSettings, Viewer, save_single_page},
 };
@@ -176,7 +175,8 @@ fn save(arguments: &ViewArguments, settings: &ViewSettings, file: &Path) -> Endi
 /// A disk that takes no more is a failure, everything else a wrong folder, field or port.
 pub(crate) fn failure(error: ViewError) -> Failure {
     match error {
-        ViewError::Output(OutputError::Write { .. }) | ViewError::Random { .. } => Failure::Failed(error.into()),
+        ViewError::Output(error) => of_output(error),
+        ViewError::Random { .. } => Failure::Failed(error.into()),
         _ => Failure::BadInput(error.into()),
     }
 }

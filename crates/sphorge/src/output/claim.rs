@@ -24,6 +24,8 @@ impl Claim {
             let path = folder.path().to_owned();
             match refusal {
                 Refusal::Held(owner) => OutputError::Locked { path, owner },
+                // Not the file is in the way where nothing in the folder may be written.
+                Refusal::InTheWay(source) if folder.unfinished().is_err() => OutputError::Unwritable { path, source },
                 Refusal::InTheWay(source) => OutputError::InTheWay { path, name: LOCK, source },
                 Refusal::Failed(source) => OutputError::Unwritable { path, source },
             }

@@ -103,7 +103,7 @@ impl RunDirectory {
     }
 
     /// Whether a folder has the mark that only a run writes.
-    pub(crate) fn is_run(path: &Path) -> bool {
+    pub fn is_run(path: &Path) -> bool {
         Folder::open(path).is_ok_and(|folder| Marked::read(&folder).is_some())
     }
 
@@ -201,17 +201,20 @@ impl RunDirectory {
     /// Opens the folder of a run that is to go on. Nothing of the run is touched. `by_force` takes the lock from whoever has it.
     ///
     /// # Errors
-    /// [`OutputError::Read`] if there is no such folder, [`OutputError::Unwritable`] if it cannot be written to, [`OutputError::Locked`] if
+    /// [`OutputError::Read`] if there is no such folder, [`OutputError::UnwritableRun`] if it cannot be written to, [`OutputError::Locked`] if
     /// another run writes to it.
     pub(crate) fn go_on(path: &Path, by_force: bool) -> Result<Self, OutputError> {
         let Self { path, .. } = Self::open(path)?;
-        let unwritable = |source| OutputError::Unwritable { path: path.clone(), source };
+        let unwritable = |source| OutputError::UnwritableRun { path: path.clone(), source };
         let folder = Folder::open(&path).map_err(unwritable)?;
         match folder.inside(FIELDS) {
             Err(e) if e.kind() == io::ErrorKind::NotFound => {}
             opened => drop(opened.map_err(|source| in_the_way(&path, FIELDS, source))?),
         }
-        let held = Held::take(folder, by_force, Mark::resumed)?;
+        let held = Held::take(folder, by_force, Mark::resumed).map_err(|error| match error {
+            OutputError::Unwritable { source, .. } => unwritable(source),
+            error => error,
+        })?;
         Ok(Self { path, held: Some(Arc::new(held)) })
     }
 

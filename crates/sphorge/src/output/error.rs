@@ -1,8 +1,11 @@
 //! What can go wrong with files of a run.
 
-use super::no_run::NoRun;
+use super::{RunDirectory, directory::DECK, no_run::NoRun};
 use crate::engine::RunFailure;
-use std::{io, path::PathBuf};
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
 
 /// Trouble with a run folder or a file in it.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -31,6 +34,18 @@ pub enum OutputError {
         help("choose a folder you may write to with `-o DIR`, or change its permissions")
     )]
     Unwritable {
+        /// The folder.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The folder of a run that is to go on cannot be written to. Nothing was touched.
+    #[error("cannot write to the folder of the run {}", path.display())]
+    #[diagnostic(
+        code(sphorge::output::unwritable),
+        help("change its permissions, or copy it to a place that you may write to and continue the copy")
+    )]
+    UnwritableRun {
         /// The folder.
         path: PathBuf,
         /// What the system said.
@@ -81,10 +96,7 @@ pub enum OutputError {
     },
     /// A file could not be written.
     #[error("cannot write {}", path.display())]
-    #[diagnostic(
-        code(sphorge::output::write),
-        help("check that the disk is not full and the folder is still there; files written before are complete")
-    )]
+    #[diagnostic(code(sphorge::output::write), help("{}", cure_of_write(source)))]
     Write {
         /// The file.
         path: PathBuf,
@@ -93,10 +105,7 @@ pub enum OutputError {
     },
     /// A run without a summary.
     #[error("the run in {} has not ended", path.display())]
-    #[diagnostic(
-        code(sphorge::output::not_ended),
-        help("if its process has ended, `sphorge resume {}` continues the run; `sphorge plot` draws what it has written", path.display())
-    )]
+    #[diagnostic(code(sphorge::output::not_ended), help("{}", way_on(path)))]
     NotEnded {
         /// The folder.
         path: PathBuf,
@@ -130,7 +139,53 @@ pub enum OutputError {
     },
 }
 
+/// What to do about a run without a summary.
+fn way_on(path: &Path) -> String {
+    let run = path.display();
+    let resumed = if RunDirectory::has_checkpoint_in(path) {
+        format!("`sphorge resume {run}` continues the run")
+    } else {
+        let deck = path.join(DECK);
+        format!(
+            "there is no checkpoint to continue it from: `sphorge run {} -o {run} --overwrite` runs its deck again",
+            deck.display()
+        )
+    };
+    format!("if its process has ended, {resumed}; `sphorge plot` draws what it has written")
+}
+
+/// What to do where a file could not be written.
+fn cure_of_write(source: &io::Error) -> &'static str {
+    match source.kind() {
+        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+            "you may not write there: name another place, as by `-o`, or change the permissions"
+        }
+        io::ErrorKind::NotADirectory | io::ErrorKind::AlreadyExists => {
+            "a part of this path is no folder: name another place, as by `-o`"
+        }
+        io::ErrorKind::IsADirectory => "this is a folder: name a file in it",
+        _ => "check that the disk is not full and the folder is still there; files written before are complete",
+    }
+}
+
 impl OutputError {
+    /// Whether nothing can be written at the place that was asked for: it is not there, is no folder, or nobody may write there.
+    pub fn is_of_the_place(&self) -> bool {
+        use io::ErrorKind::{
+            AlreadyExists, IsADirectory, NotADirectory, NotFound, PermissionDenied, ReadOnlyFilesystem,
+        };
+        match self {
+            Self::Write { source, .. } => {
+                matches!(
+                    source.kind(),
+                    PermissionDenied | ReadOnlyFilesystem | NotFound | NotADirectory | IsADirectory | AlreadyExists
+                )
+            }
+            Self::Unwritable { .. } | Self::UnwritableRun { .. } => true,
+            _ => false,
+        }
+    }
+
     /// What went wrong, with what caused it.
     pub(crate) fn chain(&self) -> String {
         fn of(error: &dyn std::error::Error) -> String {

@@ -307,6 +307,50 @@ fn a_folder_that_is_no_run_is_not_overwritten() {
     assert!(matches!(RunDirectory::create(&file, true), Err(OutputError::NotARun { .. })));
 }
 
+/// Who may write anywhere, as `root` may, sees nothing of this.
+#[cfg(unix)]
+#[test]
+fn a_run_that_nobody_may_write_to_is_not_said_to_have_a_lock_in_its_way() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path().join("run");
+    drop(RunDirectory::begin(&root, false, false, Some("title = 1\n")).unwrap());
+    let allow = |path: &Path, mode| fs::set_permissions(path, fs::Permissions::from_mode(mode)).unwrap();
+    let lock = root.join(".sphorge-lock");
+    allow(&lock, 0o444);
+    allow(&root, 0o555);
+    if fs::File::create(root.join("anything")).is_err() {
+        let refused = RunDirectory::go_on(&root, false);
+        assert!(matches!(refused, Err(OutputError::UnwritableRun { .. })), "{refused:?}");
+        let drawn = RunDirectory::open(&root).unwrap().note_picture("a.png").unwrap_err();
+        assert!(drawn.is_of_the_place(), "{drawn:?}");
+    }
+    allow(&root, 0o755);
+}
+
+#[test]
+fn a_file_that_cannot_be_written_at_its_place_says_where_to_look() {
+    use miette::Diagnostic;
+    let of = |kind: io::ErrorKind| OutputError::Write { path: "a.png".into(), source: kind.into() };
+    let help = |error: &OutputError| error.help().unwrap().to_string();
+    for kind in [io::ErrorKind::PermissionDenied, io::ErrorKind::ReadOnlyFilesystem] {
+        assert!(of(kind).is_of_the_place() && help(&of(kind)).contains("-o"), "{kind}");
+    }
+    assert!(of(io::ErrorKind::NotADirectory).is_of_the_place());
+    let full = of(io::ErrorKind::StorageFull);
+    assert!(!full.is_of_the_place() && help(&full).contains("disk is not full"));
+}
+
+#[test]
+fn a_run_that_was_killed_is_told_to_be_resumed_where_it_can_be() {
+    use miette::Diagnostic;
+    let folder = tempfile::tempdir().unwrap();
+    let help = || OutputError::NotEnded { path: folder.path().to_owned() }.help().unwrap().to_string();
+    assert!(help().contains("--overwrite` runs its deck again") && !help().contains("resume"), "{}", help());
+    fs::write(folder.path().join("checkpoint-000000000012.zip"), "").unwrap();
+    assert!(help().contains("sphorge resume") && !help().contains("--overwrite"), "{}", help());
+}
+
 #[test]
 fn missing_parents_are_made_and_a_file_in_the_way_is_reported() {
     let folder = tempfile::tempdir().unwrap();
