@@ -1,6 +1,6 @@
 //! The command line as a whole; each command declares its own arguments in [`crate::commands`].
 
-use crate::{commands::*, failure::Ending, terminal};
+use crate::{commands::*, deck_arguments::is_typographic_quote, failure::Ending, terminal};
 use clap::{
     Parser, Subcommand,
     error::{ContextKind, ContextValue, ErrorKind},
@@ -25,32 +25,55 @@ pub(crate) fn refuse(error: &clap::Error, given: &[OsString]) -> u8 {
     u8::try_from(error.exit_code()).unwrap_or(2)
 }
 
-/// What to say where a word is left over that follows a value of `--set`: a value with blanks that the shell has taken apart.
+/// What to say where the shell has taken apart what belongs to one `--set` or `--vary`: a value with blanks, or blanks around `=`.
 fn unquoted(error: &clap::Error, given: &[OsString]) -> Option<String> {
-    if error.kind() != ErrorKind::UnknownArgument {
+    let pieces = given.iter().map(|piece| piece.to_str()).collect::<Option<Vec<_>>>()?;
+    let word = |kind| match error.get(kind) {
+        Some(ContextValue::String(word)) => Some(word.as_str()),
+        _ => None,
+    };
+    let at = match error.kind() {
+        // A word is left over. Of a negative number clap gives the first digit, as if it were a short option.
+        ErrorKind::UnknownArgument => {
+            let word = word(ContextKind::InvalidArg)?;
+            let is_it =
+                |text: &&str| *text == word || (word.len() == 2 && !text.starts_with("--") && text.starts_with(word));
+            pieces.iter().position(is_it)?
+        }
+        // A key stands alone, and what follows has not been looked at.
+        ErrorKind::ValueValidation => {
+            let word = word(ContextKind::InvalidValue)?;
+            1 + pieces
+                .iter()
+                .position(|text| *text == word || text.split_once('=').is_some_and(|(_, of)| of == word))?
+        }
+        _ => return None,
+    };
+    let (from, option) = pieces[..at].iter().enumerate().rev().find_map(|(from, text)| {
+        let option = ["--set", "--vary"]
+            .into_iter()
+            .find(|option| text.strip_prefix(option).is_some_and(|rest| rest.is_empty() || rest.starts_with('=')));
+        option.map(|option| (from, option))
+    })?;
+    // To the next option; what the word follows is the value, if no option lies between.
+    let is_option = |piece: &&str| piece.starts_with('-') && !piece.contains(char::is_numeric);
+    let end = pieces.iter().skip(from + 1).position(is_option).map_or(pieces.len(), |k| from + 1 + k);
+    if at >= end {
         return None;
     }
-    let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidArg) else { return None };
-    // Of a negative number clap gives the first digit, as if it were a short option.
-    let is_it =
-        |text: &str| text == word || (word.len() == 2 && !text.starts_with("--") && text.starts_with(word.as_str()));
-    let at = given.iter().position(|argument| argument.to_str().is_some_and(is_it))?;
-    let from = given[..at]
-        .iter()
-        .rposition(|argument| argument.to_str().is_some_and(|text| text == "--set" || text.starts_with("--set=")))?;
-    let pieces = given[from..].iter().map(|piece| piece.to_str()).collect::<Option<Vec<_>>>()?;
-    // To the next option; what the word follows is the value, if no option lies between.
-    let end = pieces
-        .iter()
-        .skip(1)
-        .position(|piece| piece.starts_with('-') && !piece.contains(char::is_numeric))
-        .map_or(pieces.len(), |k| k + 1);
-    let value = pieces[..end].join(" ");
-    let (key, value) = value.strip_prefix("--set")?.trim_start_matches(['=', ' ']).split_once('=')?;
-    // The shell has taken the quotes in a list away, too.
-    let value = if value.starts_with('[') { "[\"...\", \"...\"]" } else { value };
-    (at - from < end)
-        .then(|| format!("A value with blanks needs quotes, or the shell takes it apart: --set '{key}={value}'"))
+    let joined = pieces[from..end].join(" ");
+    let text = joined.strip_prefix(option)?.trim_start_matches(['=', ' ']);
+    let (key, value) = text.split_once('=').or_else(|| text.split_once(' '))?;
+    let (key, value) = (key.trim(), value.trim());
+    let plain = value.replace(is_typographic_quote, "");
+    let reason = if plain != value {
+        "The shell does not know typographic quotes"
+    } else if text.starts_with(&format!("{key}={value}")) {
+        "A value with blanks needs quotes, or the shell takes it apart"
+    } else {
+        "A key, `=` and its value are one word"
+    };
+    Some(format!("{reason}: {option} '{key}={plain}'"))
 }
 
 /// The program `sphorge`.

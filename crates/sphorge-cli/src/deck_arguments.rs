@@ -5,7 +5,10 @@ use clap::{Args, ValueEnum};
 use sphorge::deck::{self, DeckReport, Setup};
 use sphorge::decks::{self, ShippedDeck};
 use sphorge::output::RunDirectory;
-use std::path::{Path, PathBuf};
+use std::{
+    ffi::{OsStr, OsString},
+    path::{Path, PathBuf},
+};
 
 /// A deck with changes.
 #[derive(Debug, Args)]
@@ -33,9 +36,18 @@ enum PrecisionArgument {
 /// Splits at the first `=`: values may hold more of them.
 pub(crate) fn parse_override(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
+        Some((path, value)) if value.trim_start().starts_with(is_typographic_quote) => {
+            let plain = value.replace(is_typographic_quote, "");
+            Err(format!("the quotes around the value are typographic ones: write '{}={}'", path.trim(), plain.trim()))
+        }
         Some((path, value)) if !path.trim().is_empty() => Ok((path.trim().to_owned(), value.trim().to_owned())),
         _ => Err("write the key, `=` and the value: `time.end=\"30 us\"`".to_owned()),
     }
+}
+
+/// Whether a character is a quote that word processors and web pages put in the place of plain ones.
+pub(crate) fn is_typographic_quote(c: char) -> bool {
+    matches!(c, '\u{2018}'..='\u{201f}' | '\u{ab}' | '\u{bb}')
 }
 
 /// A deck that is there, with changes.
@@ -56,7 +68,9 @@ impl DeckArguments {
     /// # Errors
     /// There is neither.
     pub(crate) fn find(self) -> Result<FoundDeck, Failure> {
-        let name = self.deck.file_stem().unwrap_or(self.deck.as_os_str()).to_string_lossy().into_owned();
+        let named =
+            run_of(&self.deck).unwrap_or_else(|| self.deck.file_stem().unwrap_or(self.deck.as_os_str()).to_owned());
+        let name = named.to_string_lossy().into_owned();
         let bare = self.deck.components().count() == 1;
         let source = match decks::find(&name).filter(|_| bare) {
             _ if self.deck.is_dir() => return Err(is_a_folder(&self.deck)),
@@ -125,6 +139,13 @@ impl FoundDeck {
     }
 }
 
+/// Name of the run that a deck was stored by: the deck itself is always called `deck.toml`.
+fn run_of(deck: &Path) -> Option<OsString> {
+    let folder = deck.parent().filter(|_| deck.file_name().is_some_and(|name| name == "deck.toml"))?;
+    let folder = std::path::absolute(folder).ok()?;
+    RunDirectory::is_run(&folder).then(|| folder.file_name().map(OsStr::to_owned)).flatten()
+}
+
 /// Says what a folder holds that was given in place of a deck.
 fn is_a_folder(path: &Path) -> Failure {
     if let Ok(run) = RunDirectory::open(path) {
@@ -137,10 +158,7 @@ fn is_a_folder(path: &Path) -> Failure {
             ),
         );
     }
-    let entries = std::fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path());
-    let mut decks: Vec<PathBuf> =
-        entries.filter(|path| path.extension().is_some_and(|ending| ending == "toml")).collect();
-    decks.sort();
+    let decks = decks_in(path);
     let few: Vec<String> = decks.iter().take(MOST_LISTED).map(|deck| format!("`{}`", deck.display())).collect();
     let help = match decks.len().saturating_sub(MOST_LISTED) {
         _ if decks.is_empty() => {
@@ -152,12 +170,38 @@ fn is_a_folder(path: &Path) -> Failure {
     Failure::bad_input(format!("{} is a folder, not a deck", path.display()), help)
 }
 
+/// The files in a folder that may be decks, in order.
+fn decks_in(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let is_deck = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "toml") && path.is_file();
+    let mut decks: Vec<PathBuf> = entries.filter(is_deck).collect();
+    decks.sort();
+    decks
+}
+
 /// Most decks that are listed.
 const MOST_LISTED: usize = 8;
 
+/// Decks in the folder of a path whose names are like its own.
+fn decks_beside(path: &Path, name: &str) -> Vec<String> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let decks: Vec<(String, String)> = decks_in(folder)
+        .iter()
+        .filter_map(|deck| {
+            let file = deck.file_name()?;
+            Some((deck.file_stem()?.to_str()?.to_owned(), path.with_file_name(file).to_str()?.to_owned()))
+        })
+        .collect();
+    let like = deck::names_like(name, decks.iter().map(|(stem, _)| stem.as_str()));
+    decks.iter().filter(|(stem, _)| like.contains(&stem.as_str())).map(|(_, path)| path.clone()).collect()
+}
+
 fn missing(path: &Path, name: &str) -> Failure {
     let near = decks::like(name);
-    let help = if near.is_empty() {
+    let beside = decks_beside(path, name);
+    let help = if !beside.is_empty() {
+        deck::did_you_mean(beside.iter().map(String::as_str)) + "`sphorge decks` lists the shipped decks"
+    } else if near.is_empty() {
         "give the path of a deck file, or the name of a shipped deck: `sphorge decks` lists them".to_owned()
     } else {
         deck::did_you_mean(near) + "`sphorge decks` lists all shipped decks"

@@ -96,6 +96,19 @@ fn the_deck_in_the_folder_of_its_run_is_never_lost() {
 }
 
 #[test]
+fn the_deck_of_a_run_is_run_under_the_name_of_the_run() {
+    let place = Place::new();
+    place.run(&["run", "plate.toml", "-o", "first", "--set", "time.max-steps=1"]).expect_code(0);
+    place.run(&["run", "first/deck.toml"]).expect_code(0);
+    assert!(place.path("out/first/summary.json").is_file() && !place.path("out/deck").exists());
+    // Not where somebody has named a deck so.
+    fs::create_dir(place.path("mine")).unwrap();
+    fs::copy(place.path("first/deck.toml"), place.path("mine/deck.toml")).unwrap();
+    place.run(&["run", "mine/deck.toml"]).expect_code(0);
+    assert!(place.path("out/deck/summary.json").is_file());
+}
+
+#[test]
 fn a_file_with_the_name_of_one_of_a_run_is_not_removed() {
     let place = Place::new();
     fs::create_dir(place.path("mine")).unwrap();

@@ -71,6 +71,21 @@ pub(crate) fn parse_mirror(text: &str) -> Result<Mirror, String> {
     if text == "halving" { Ok(Mirror::Halving) } else { text.parse() }
 }
 
+/// Refuses what is no folder and follows a range of which the other end is missing: `--range 0 1` for `--range 0,1`.
+pub(crate) fn refuse_ends_of_ranges_as_folders(directories: &[PathBuf], range: Option<&str>) -> Result<(), Failure> {
+    let Some(low) = range.filter(|range| !range.contains(',')) else { return Ok(()) };
+    let missing: Vec<&str> =
+        directories.iter().filter(|path| !path.exists()).filter_map(|path| path.to_str()).collect();
+    match missing.first() {
+        Some(word) if word.trim_matches(',').parse::<f64>().is_ok() => {
+            let high = missing.join(" ");
+            let what = format!("there is no run folder `{word}`; `--range` takes both values in one word");
+            Err(Failure::bad_input(what, format!("write --range=\"{low},{}\"", high.trim_matches(','))))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Refuses what is no folder and follows an option that takes its value by `=` alone: `--section y` for `--section=y`.
 pub(crate) fn refuse_planes_as_folders(
     directories: &[PathBuf],

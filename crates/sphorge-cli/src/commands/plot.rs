@@ -2,7 +2,10 @@
 
 use crate::{
     commands::{
-        picture_arguments::{ColorArgument, parse_mirror, parse_range, parse_section, refuse_planes_as_folders},
+        picture_arguments::{
+            ColorArgument, parse_mirror, parse_range, parse_section, refuse_ends_of_ranges_as_folders,
+            refuse_planes_as_folders,
+        },
         picture_names::{section_word, view_word},
         plot_quantities::{read_quantities, read_width},
     },
@@ -208,6 +211,7 @@ pub(crate) fn execute(arguments: &PlotArguments) -> Ending {
 /// Draws what is asked for, and returns the files.
 pub(crate) fn draw(arguments: &PlotArguments) -> Result<Vec<PathBuf>, Failure> {
     refuse_planes_as_folders(&arguments.directories, arguments.section.as_ref(), arguments.mirror.as_ref())?;
+    refuse_ends_of_ranges_as_folders(&arguments.directories, arguments.range.as_deref())?;
     let open = |path: &PathBuf| {
         let run = RunDirectory::open(path).map_err(|error| Failure::BadInput(error.into()))?;
         // The folder itself, where the path says `..`.

@@ -2,7 +2,10 @@
 
 use crate::{
     browser,
-    commands::picture_arguments::{ColorArgument, parse_mirror, parse_range, parse_section, refuse_planes_as_folders},
+    commands::picture_arguments::{
+        ColorArgument, parse_mirror, parse_range, parse_section, refuse_ends_of_ranges_as_folders,
+        refuse_planes_as_folders,
+    },
     failure::{Ending, Failure, Outcome, of_output},
     terminal,
 };
@@ -103,6 +106,7 @@ fn parse_size(text: &str) -> Result<Size, String> {
 
 pub(crate) fn execute(arguments: &ViewArguments) -> Ending {
     refuse_planes_as_folders(&arguments.directories, arguments.section.as_ref(), arguments.mirror.as_ref())?;
+    refuse_ends_of_ranges_as_folders(&arguments.directories, arguments.range.as_deref())?;
     let range = match &arguments.range {
         Some(text) => Some(parse_range(text, &first_field(arguments)?)?),
         None => None,
