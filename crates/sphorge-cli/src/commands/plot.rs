@@ -16,7 +16,7 @@ use crate::{
 use clap::{Args, ValueEnum};
 use sphorge::{
     deck::{did_you_mean, names_like},
-    output::{FrameFile, OutputError, RunDirectory, read_series},
+    output::{FrameFile, RunDirectory, read_series},
     particles::{FIELDS, find_field},
     plot::{
         ColumnsPicture, Condition, FieldPicture, FrameChoice, Mirror, Paper, PictureFormat, PlotError, Section, View,

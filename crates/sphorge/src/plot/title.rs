@@ -35,5 +35,5 @@ pub(super) fn title_of(runs: &[(&str, &RunDirectory)]) -> String {
 
 fn titled(summary: &Summary) -> String {
     let names: Vec<&str> = summary.warnings.iter().map(|warning| warning.name.as_str()).collect();
-    if names.is_empty() { summary.title.clone() } else { format!("{} [broken: {}]", summary.title, names.join(", ")) }
+    if names.is_empty() { summary.title.clone() } else { format!("{} [warnings: {}]", summary.title, names.join(", ")) }
 }

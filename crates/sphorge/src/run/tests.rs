@@ -490,9 +490,10 @@ fn there_is_no_folder_until_all_is_ready_for_the_first_step() {
 fn an_existing_folder_is_refused_before_anything_is_done() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("run")).unwrap();
+    fs::write(folder.path().join("run/notes.txt"), "mine").unwrap();
     let error = run(folder.path(), model(), None).unwrap_err();
     assert_eq!(error.exit_code(), 2);
-    assert_eq!(fs::read_dir(folder.path().join("run")).unwrap().count(), 0);
+    assert_eq!(fs::read_dir(folder.path().join("run")).unwrap().count(), 1);
 }
 
 #[cfg(unix)]

@@ -44,7 +44,7 @@ function howFar(run) {
 function broken({ name, warnings, warned: count }) {
   const others = count - warnings.length;
   if (count === 0) return null;
-  const names = warnings.length > 0 ? `broken: ${warnings.join(", ")}` : "";
+  const names = warnings.length > 0 ? `warnings: ${warnings.join(", ")}` : "";
   const unnamed = others > 0 ? `${others} ${others === 1 ? "check has" : "checks have"} warned${names ? " since" : ""}; ${others === 1 ? "it is" : "they are"} named where it runs, and here when it ends` : "";
   return `${name}: ${[names, unnamed].filter(Boolean).join("; ")}`;
 }
