@@ -4,7 +4,7 @@ use sphorge::{
     deck::load_text,
     engine::ENGINES,
     output::{FrameFile, HistoryTable, RunDirectory, Status, Summary, read_series},
-    plot::{FieldPicture, Paper, PictureFormat, Section, plot_field, plot_run},
+    plot::{FieldPicture, Paper, PictureFormat, plot_field, plot_run},
     run::{Observer, RunError, RunOptions, Silent, execute},
     validate::{Effort, ValidateError, ValidateOptions, Watcher, validate},
 };
@@ -132,8 +132,8 @@ fn a_deck_runs_and_its_folder_tells_the_story() {
     let paper = Paper { dpi: 50, ..Paper::default() };
     let pictures = plot_run(&directory, paper, PictureFormat::Png, &directory.plots()).unwrap();
     assert!(pictures.len() >= 9 && pictures.iter().all(|path| path.metadata().unwrap().len() > 2000), "{pictures:?}");
-    let section = FieldPicture { section: Some(Section::Middle), paper, ..FieldPicture::new("stress.yy") };
-    plot_field(&directory, &section, &folder.path().join("p.png")).unwrap();
+    let stress = FieldPicture { paper, ..FieldPicture::new("stress.yy") };
+    plot_field(&directory, &stress, &folder.path().join("p.png")).unwrap();
 }
 
 #[test]

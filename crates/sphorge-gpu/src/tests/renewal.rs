@@ -147,6 +147,7 @@ velocity = ["0 m/s", "-30 m/s"]
 [[wall]]
 name = "target"
 plane = { point = ["0 mm", "0 mm"], normal = [0, 1] }
+contact = { penalty = { surfaces = "particles" } }
 "#;
 
 #[test]
