@@ -585,7 +585,7 @@ def growing(program, folder):
             page.wait("app.panels[0].run.times.length === 51 && app.panels[0].frame === 50")
             expect(True, "who looks at the last frame goes on to the new one")
             run.rename(folder / "away")
-            page.wait("app.panels[0].trouble.includes('cannot read')")
+            page.wait("app.panels[0].trouble.includes('does not exist')")
             expect(not picture_is_empty(page), "of a folder that has vanished the last picture stays, and it is told")
             page.choose("#time", "3")
             settle(page)
