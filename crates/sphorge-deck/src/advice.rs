@@ -1,12 +1,11 @@
 //! What the chosen method will do with a deck, said before the run.
 
-use super::material::shown;
+use super::{material::shown, splashes};
 use sphorge_engine::Particles;
 use sphorge_engine::model::{
-    Body, BodyContact, Dimensions, Formulation, Integrator, Model, Precision, Search, SymmetryPlane, WallSurface,
+    Body, BodyContact, Dimensions, Formulation, Integrator, Model, Precision, Search, WallSurface,
 };
 use sphorge_physics::damage::AfterFailure;
-use sphorge_physics::flow::FlowState;
 use sphorge_physics::integrity::smeared_width;
 use sphorge_physics::tensor::principal_values;
 
@@ -50,7 +49,7 @@ pub(crate) fn doubts(model: &Model, particles: &Particles, with_odd_moduli: &[St
     let rounded = rounded_positions(model, particles).into_iter();
     rounded
         .chain(beyond_metals(model, particles, with_odd_moduli))
-        .chain(thrown_back(model, particles))
+        .chain(splashes::notes(model, particles))
         .chain(too_coarse_to_break(model))
         .chain(held_as_a_fluid(model))
         .chain(deleted_behind_facets(model))
@@ -117,47 +116,6 @@ fn too_coarse_to_break(model: &Model) -> Vec<String> {
         })
     };
     model.bodies.iter().filter_map(told).collect()
-}
-
-/// Speed of an impact over the sound speed from which on a fluid splashes.
-const SPLASHES: f64 = 0.01;
-
-/// Fluids that splash in a form that holds them together.
-fn thrown_back(model: &Model, particles: &Particles) -> Vec<String> {
-    if !matches!(model.formulation, Formulation::TotalLagrangian { .. }) || model.dimensions == Dimensions::One {
-        return Vec::new();
-    }
-    let sound_speed = |index: usize| {
-        let material = &model.materials[model.bodies[index].material];
-        material.equation_of_state.reference_sound_speed()
-    };
-    let splashes = |(index, impact): &(usize, Impact)| {
-        impact.damage_number.is_infinite() && impact.speed > SPLASHES * sound_speed(*index)
-    };
-    let impacts = impacts(model, particles).into_iter().enumerate().filter(splashes);
-    impacts
-        .filter(|(index, _)| !is_enclosed(model, &model.bodies[*index]))
-        .map(|(_, Impact { body, speed, .. })| {
-            format!(
-                "body `{body}` has no strength and meets what it strikes at {speed:.0} m/s: it splashes. In the total Lagrangian form a fluid \
-                 is held together until it is stretched fourfold, and rebounds; choose `method = \"updated-lagrangian\"` for it"
-            )
-        })
-        .collect()
-}
-
-/// Whether a body fills what is between two planes of symmetry, or all of a period, along all axes but one: nothing of it can splash.
-fn is_enclosed(model: &Model, body: &Body) -> bool {
-    let (low, high) = body.shape.bounds(model.dimensions);
-    let ends = |axis: usize, side: f64, at: f64| {
-        let is_there = |plane: &SymmetryPlane| {
-            plane.axis == axis && plane.side == side && (plane.position - at).abs() < 0.5 * body.spacing
-        };
-        model.symmetry.iter().any(is_there)
-    };
-    let is_held =
-        |axis: usize| model.periodic[axis].is_some() || ends(axis, 1.0, low[axis]) && ends(axis, -1.0, high[axis]);
-    (0..model.dimensions.count()).filter(|axis| is_held(*axis)).count() + 1 >= model.dimensions.count()
 }
 
 fn method(model: &Model) -> String {
@@ -353,13 +311,13 @@ fn beyond_metals(model: &Model, particles: &Particles, with_odd_moduli: &[String
 const HARDENED: f64 = 0.01;
 
 /// The impact with the largest damage number.
-struct Impact {
-    body: String,
+pub(crate) struct Impact {
+    pub(crate) body: String,
     /// Whether the body moves towards the other; else it is struck.
-    is_striker: bool,
+    pub(crate) is_striker: bool,
     /// m/s.
-    speed: f64,
-    damage_number: f64,
+    pub(crate) speed: f64,
+    pub(crate) damage_number: f64,
 }
 
 /// The hardest impact that the velocities at the start tell of: between bodies, on a wall or on a symmetry plane.
@@ -369,7 +327,7 @@ fn hardest_impact(model: &Model, particles: &Particles) -> Option<Impact> {
 }
 
 /// For each body the hardest impact that the velocities at the start tell of.
-fn impacts(model: &Model, particles: &Particles) -> Vec<Impact> {
+pub(crate) fn impacts(model: &Model, particles: &Particles) -> Vec<Impact> {
     let mut momentum = vec![[0.0; 3]; model.bodies.len()];
     let mut mass = vec![0.0; model.bodies.len()];
     for ((body, m), v) in particles.body.iter().zip(&particles.mass).zip(&particles.velocity) {
@@ -393,11 +351,7 @@ fn impacts(model: &Model, particles: &Particles) -> Vec<Impact> {
         let planes = model.symmetry.iter().map(|plane| -plane.side * own[plane.axis]);
         let speed = bodies.chain(walls).chain(planes).fold(0.0, f64::max);
         let material = &model.materials[body.material];
-        let at_rest = FlowState::at_rest(body.temperature);
-        let history: Vec<f64> = material.flow_law.history().iter().map(|variable| variable.initial).collect();
-        let yields_at = |plastic_strain: f64| {
-            material.flow_law.yield_stress(FlowState { plastic_strain, ..at_rest }, &history).value
-        };
+        let yields_at = |plastic_strain: f64| material.yield_stress_at_rest(plastic_strain, body.temperature);
         // A metal may harden from nothing.
         let at_start = yields_at(0.0);
         let hardens = at_start == 0.0 && material.shear_modulus > 0.0;
@@ -625,33 +579,6 @@ mod tests {
         assert!(far("300 m", "mixed").join("").contains("1e-4 of a spacing"), "{:?}", far("300 m", "mixed"));
         assert_eq!(far("300 m", "double"), [""; 0]);
         assert_eq!(far("100 m", "mixed"), [""; 0]);
-    }
-
-    #[test]
-    fn a_fluid_that_splashes_in_the_default_form_hears_of_the_one_that_lets_it() {
-        let bird = |changes: &[(&str, &str)]| {
-            let deck = "dimensions = \"plane-strain\"\nparticles = { spacing = \"2 mm\" }\ntime = { end = \"1 us\" }\n[material.fluid]\n\
-                        density = \"950 kg/m^3\"\nequation-of-state = { mie-gruneisen = { sound-speed = \"1483 m/s\", shock-slope = 1.75, \
-                        gruneisen = 0.0 } }\nstrength = \"none\"\n[[body]]\nname = \"bird\"\nmaterial = \"fluid\"\nshape = { box = { min = [0, 0], \
-                        max = [\"16 mm\", \"40 mm\"] } }\nvelocity = [0, \"-116 m/s\"]\n[[wall]]\nname = \"target\"\nplane = { point = [0, 0], normal = \
-                        [0, 1] }\n";
-            let changes: Vec<_> = changes.iter().map(|&(path, value)| (path.to_owned(), value.to_owned())).collect();
-            load_text("bird", deck, &changes).unwrap().notes
-        };
-        let told = bird(&[]);
-        assert!(
-            told.len() == 1 && told[0].contains("strikes at 116 m/s") && told[0].contains("updated-lagrangian"),
-            "{told:?}"
-        );
-        assert_eq!(bird(&[("method", "updated-lagrangian")]), [""; 0]);
-        // It flows, and does not splash; what flies away strikes nothing.
-        assert_eq!(bird(&[("body.bird.velocity.1", "-10 m/s")]), [""; 0]);
-        assert!(!bird(&[("body.bird.velocity.1", "116 m/s")]).join("").contains("splashes"));
-        // Nor does what fills all that is between two planes of symmetry.
-        let between =
-            |side: &str| format!("[{{ axis = \"x\" }}, {{ axis = \"x\", at = \"{side} mm\", side = \"negative\" }}]");
-        assert_eq!(bird(&[("symmetry", &between("16"))]), [""; 0]);
-        assert!(bird(&[("symmetry", &between("20"))]).join("").contains("splashes"));
     }
 
     #[test]

@@ -7,7 +7,6 @@ use sphorge_engine::Particles;
 use sphorge_engine::model::{
     Body, BodyContact, Measure, MeasureKind, Model, MotionAxis, PrescribedMotion, TimeTable, WallSurface,
 };
-use sphorge_physics::flow::FlowState;
 
 /// Instants at which courses are looked at, beside the rows of their tables.
 const INSTANTS: u32 = 64;
@@ -273,8 +272,7 @@ fn never_yields(model: &Model, particles: &Particles, strains: &[(usize, f64)]) 
     }
     let strain = strains.iter().map(|(_, strain)| *strain).fold(0.0, f64::max);
     let material = &model.materials[model.bodies[0].material];
-    let history: Vec<f64> = material.flow_law.history().iter().map(|variable| variable.initial).collect();
-    let stress = material.flow_law.yield_stress(FlowState::at_rest(material.reference_temperature), &history).value;
+    let stress = material.yield_stress_at_rest(0.0, material.reference_temperature);
     let modulus = material.shear_modulus;
     // Sudden velocities make waves of stress of at most `rho c v`, beside `E v t / L`.
     let sound = (3.0 * modulus / material.density).sqrt();

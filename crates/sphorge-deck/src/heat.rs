@@ -20,32 +20,41 @@ pub(crate) fn check_faces(model: &Model, particles: &Particles, places: &SourceS
 }
 
 /// What a user should know of the heat of a deck, given the names of materials that do not state their conductivity.
-pub(crate) fn notes(model: &Model, particles: &Particles, without_conductivity: &[String]) -> Vec<String> {
+pub(crate) fn notes(
+    model: &Model,
+    particles: &Particles,
+    without_conductivity: &[String],
+    is_asked_for: bool,
+) -> Vec<String> {
     let of_materials =
         (0..model.materials.len()).filter_map(|m| no_conduction(model, particles, m, without_conductivity));
     of_materials
         .chain(side_faces(model, particles))
         .chain(without_expansion(model))
         .chain(too_short(model))
-        .chain(not_asked_for(model))
+        .chain(if is_asked_for { None } else { not_asked_for(model) })
         .collect()
 }
 
-/// Bodies of unequal temperatures between which heat would have the time to flow, in a run without any conduction.
+/// Bodies of unequal temperatures that touch and between which heat would have the time to flow, in a deck that says nothing of heat.
 fn not_asked_for(model: &Model) -> Option<String> {
-    if model.thermal.conduction {
-        return None;
-    }
     let has_time = |index: usize| {
         let body = &model.bodies[index];
         model.materials[body.material].conductivity > 0.0 && time_to_the_next(model, body) < model.time.end
     };
     let differ = |(a, b): &(usize, usize)| (model.bodies[*a].temperature - model.bodies[*b].temperature).abs() > 1.0;
-    let (a, b) = model.contact_pairs().into_iter().find(|pair| differ(pair) && has_time(pair.0) && has_time(pair.1))?;
+    let bounds = |index: usize| model.bodies[index].shape.bounds(model.dimensions);
+    let touch = |(a, b): &(usize, usize)| {
+        let ((low_a, high_a), (low_b, high_b)) = (bounds(*a), bounds(*b));
+        let near = model.bodies[*a].spacing.max(model.bodies[*b].spacing);
+        (0..model.dimensions.count()).all(|k| low_a[k] - high_b[k] < near && low_b[k] - high_a[k] < near)
+    };
+    let is_told = |pair: &(usize, usize)| differ(pair) && has_time(pair.0) && has_time(pair.1) && touch(pair);
+    let (a, b) = model.contact_pairs().into_iter().find(is_told)?;
     let of = |index: usize| format!("`{}` ({:.0} K)", model.bodies[index].name, model.bodies[index].temperature);
     Some(format!(
         "no heat flows between bodies {} and {}, and none within them: the deck has no [thermal] table; add one, with `mechanics = false` for heat alone, or \
-         leave out `conductivity` if that is meant",
+         with `conduction = false` if that is meant",
         of(a),
         of(b)
     ))
@@ -227,7 +236,10 @@ mod tests {
         };
         assert_eq!(told(&[]), 1);
         assert_eq!(told(&[("conductivity = 20", "conductivity = 20\n[thermal]\nconduction = true")]), 0);
+        assert_eq!(told(&[("conductivity = 20", "conductivity = 20\n[thermal]\nconduction = false")]), 0);
         assert_eq!(told(&[("1 s", "1 us")]), 0);
+        // What is far away takes no heat by touch.
+        assert_eq!(told(&[("min = [\"8 mm\", 0], max = [\"16 mm\"", "min = [\"12 mm\", 0], max = [\"20 mm\"")]), 0);
         assert_eq!(told(&[("400 K", "300 K")]), 0);
     }
 }

@@ -37,6 +37,7 @@ mod report;
 mod scalar;
 mod schema;
 mod slips;
+mod splashes;
 mod strategy;
 mod suggest;
 mod unit;

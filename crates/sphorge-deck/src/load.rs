@@ -209,7 +209,7 @@ pub(super) fn read(
     if has_other_lines {
         problems.hide_lines();
     }
-    let Interpreted { model, places, mut notes, catalogue_notes, without_conductivity, with_odd_moduli } =
+    let Interpreted { model, places, mut notes, catalogue_notes, without_conductivity, with_odd_moduli, asks_for_heat } =
         read_model(name, &mut problems)?;
     match geometry::fill(&model, most_particles) {
         Ok(particles) => {
@@ -222,7 +222,7 @@ pub(super) fn read(
             notes.extend(slips(&model, &particles));
             notes.extend(advice::doubts(&model, &particles, &with_odd_moduli));
             notes.extend(linear_law::notes(&model));
-            notes.extend(heat::notes(&model, &particles, &without_conductivity));
+            notes.extend(heat::notes(&model, &particles, &without_conductivity, asks_for_heat));
             notes.extend(closeness::notes(&model, &particles));
             notes.extend(quarters::notes(&model, &particles));
             let mut notes_unless_driven: Vec<String> = driven::note(&deck_text).into_iter().collect();

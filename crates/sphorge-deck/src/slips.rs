@@ -9,7 +9,6 @@ use sphorge_engine::geometry::pressed_at_start;
 use sphorge_engine::model::{
     Body, CloudParticle, CloudShare, Material, Measure, MeasureKind, Model, MotionAxis, Solid, TimeTable, WallSurface,
 };
-use sphorge_physics::flow::FlowState;
 
 /// Yield stress over the shear modulus below which none of a solid is: pure single crystals have 1e-6.
 const LEAST_YIELD: f64 = 1e-6;
@@ -130,8 +129,7 @@ fn blind_measures(model: &Model, particles: &Particles) -> Vec<String> {
 
 /// A flow stress that no metal has.
 fn of_material(material: &Material) -> Option<String> {
-    let history: Vec<f64> = material.flow_law.history().iter().map(|variable| variable.initial).collect();
-    let yields = material.flow_law.yield_stress(FlowState::at_rest(material.reference_temperature), &history).value;
+    let yields = material.yield_stress_at_rest(0.0, material.reference_temperature);
     (yields > 0.0 && yields < LEAST_YIELD * material.shear_modulus).then(|| {
         format!(
             "material `{}` yields at {}, {:.0e} of its shear modulus: no metal yields at so little; write the unit, as in `\"350 MPa\"`",

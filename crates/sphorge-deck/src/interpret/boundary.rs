@@ -23,8 +23,8 @@ pub(crate) struct Walled<'a> {
     pub(crate) bodies: &'a [Option<Body>],
     /// Of materials, by their index, whether they have strength.
     pub(crate) has_strength: &'a dyn Fn(usize) -> bool,
-    /// Speeds at which bars of them yield on a rigid wall, m/s.
-    pub(crate) yield_speed: &'a dyn Fn(usize) -> Option<f64>,
+    /// Of bodies, the speed at which a bar of its material yields on a rigid wall, m/s, if it has strength and does not break.
+    pub(crate) yield_speed: &'a dyn Fn(&Body) -> Option<f64>,
     pub(crate) dimensions: Dimensions,
 }
 
@@ -59,7 +59,7 @@ impl Walled<'_> {
             let [least, most] = body.velocity_bounds(self.dimensions);
             let towards: f64 = (0..3).map(|a| -normal[a] * if normal[a] > 0.0 { least[a] } else { most[a] }).sum();
             !matches!(body.shape.solid, Solid::Cloud { .. })
-                && (self.yield_speed)(body.material).is_some_and(|limit| towards.max(0.0) + of_wall < limit)
+                && (self.yield_speed)(body).is_some_and(|limit| towards.max(0.0) + of_wall < limit)
         };
         self.dimensions != Dimensions::One && self.bodies.iter().flatten().all(is_gentle)
     }

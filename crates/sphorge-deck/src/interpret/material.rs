@@ -9,7 +9,7 @@ use crate::suggest::{did_you_mean, like, listed};
 use crate::value::Word;
 use sphorge_engine::model::Material;
 use sphorge_physics::damage::DAMAGE_LAWS;
-use sphorge_physics::flow::{FlowLaw, FlowState};
+use sphorge_physics::flow::FlowLaw;
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
     ops::Range,
@@ -314,18 +314,12 @@ impl<'a> Chosen<'a> {
         self.chosen[index].material.as_ref().is_some_and(|m| m.shear_modulus > 0.0)
     }
 
-    /// Speed at which a bar of a material that strikes a rigid wall begins to yield, m/s: without bound where it never does. `None` for what has no strength or
-    /// may break.
-    pub(crate) fn yield_speed(&self, index: usize) -> Option<f64> {
+    /// Speed at which a bar of a material that strikes a rigid wall begins to yield at a temperature (K), m/s: without bound where it never does. `None` for
+    /// what has no strength or may break.
+    pub(crate) fn yield_speed(&self, index: usize, temperature: f64) -> Option<f64> {
         let material = self.chosen[index].material.as_ref().filter(|m| m.shear_modulus > 0.0 && !m.breaks())?;
-        let history: Vec<f64> = material.flow_law.history().iter().map(|variable| variable.initial).collect();
-        let state = FlowState::at_rest(material.reference_temperature);
-        let stress = if material.flow_law.yields() {
-            material.flow_law.yield_stress(state, &history).value
-        } else {
-            f64::INFINITY
-        };
-        Some(stress / (material.density * material.young_modulus()).sqrt())
+        let impedance = (material.density * material.young_modulus()).sqrt();
+        Some(material.yield_stress_at_rest(0.0, temperature) / impedance)
     }
 
     /// Temperature bodies of this material start at, if the material could be built.

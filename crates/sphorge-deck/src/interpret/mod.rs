@@ -231,6 +231,8 @@ pub(crate) struct Interpreted {
     pub(crate) catalogue_notes: Vec<String>,
     /// Names of materials whose conductivity is zero because nothing states it.
     pub(crate) without_conductivity: Vec<String>,
+    /// Whether the deck has a table of heat.
+    pub(crate) asks_for_heat: bool,
     /// Names of materials whose density or modulus has been told to be wrong: what follows from it is not.
     pub(crate) with_odd_moduli: Vec<String>,
 }
@@ -282,7 +284,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         bodies: &bodies,
         dimensions,
         has_strength: &|material| materials.has_strength(material),
-        yield_speed: &|material| materials.yield_speed(material),
+        yield_speed: &|body| materials.yield_speed(body.material, body.temperature),
     };
     let walls: Vec<_> = raw.wall.iter().map(|w| boundary::wall(w, dimensions, &walled, problems)).collect();
     let (periodic, periodic_places) = boundary::periodic(&raw.periodic, dimensions, problems);
@@ -386,7 +388,15 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     notes.extend(note);
     idle::tell(raw, &model, problems);
     notes.splice(0..0, problems.take_doubts());
-    Some(Interpreted { model, places, notes, catalogue_notes, without_conductivity, with_odd_moduli })
+    Some(Interpreted {
+        model,
+        places,
+        notes,
+        catalogue_notes,
+        without_conductivity,
+        with_odd_moduli,
+        asks_for_heat: raw.thermal.is_some(),
+    })
 }
 
 /// Choices that exclude each other.

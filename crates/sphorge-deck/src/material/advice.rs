@@ -8,7 +8,6 @@ use super::poisson::{
 };
 use crate::suggest::listed;
 use sphorge_engine::model::Material;
-use sphorge_physics::flow::FlowState;
 
 /// One sentence for each thing that is probably not meant.
 pub(crate) fn advice(constants: &Constants, material: &Material) -> Vec<String> {
@@ -123,8 +122,7 @@ pub(crate) fn is_of_moduli(note: &str) -> bool {
 
 /// Stress at which a material yields as it starts, Pa, if it does.
 pub(super) fn flow_stress(material: &Material) -> Option<f64> {
-    let history: Vec<f64> = material.flow_law.history().iter().map(|variable| variable.initial).collect();
-    let yields = material.flow_law.yield_stress(FlowState::at_rest(material.reference_temperature), &history).value;
+    let yields = material.yield_stress_at_rest(0.0, material.reference_temperature);
     (material.flow_law.yields() && yields.is_finite()).then_some(yields)
 }
 

@@ -54,7 +54,7 @@ tables! {
     /// Constants of the penalty contact.
     RawPenalty {
         /// Where the wall pushes bodies of the total Lagrangian form.
-        surfaces: Option<Choice<WallSurfacesWord>>, otherwise "`\"facets\"` of segments, of planes that a round surface of a body with strength looks at at the start, and of planes where all bodies have strength, do not break and approach slower than they yield (yield stress over `sqrt(density x Young's modulus)`), but not in 1D; else `\"particles\"`";
+        surfaces: Option<Choice<WallSurfacesWord>>, otherwise "`\"facets\"` of segments, of planes that a round surface of a body with strength looks at at the start, and of planes where all bodies have strength, do not break and approach at the start slower than they yield (yield stress over `sqrt(density x Young's modulus)`), but not in 1D; else `\"particles\"`";
         /// Pressure for a closure of one spacing, over the bulk modulus; relative to m c0² / spacing² of a particle.
         stiffness: Option<Given<Number>>, example 1.0, otherwise "2.0 at facets, 1.0 at particles";
         /// Damping as a share of critical, 0 to 1.

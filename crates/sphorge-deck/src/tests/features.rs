@@ -584,6 +584,16 @@ fn walls_push_at_facets_what_they_meet_slowly() {
     };
     // It yields at 300 MPa / sqrt(7850 kg/m^3 210 GPa), 7.39 m/s.
     assert!(at_facets(&[]) && at_facets(&[("-5 m/s", "-7.3 m/s")]) && !at_facets(&[("-5 m/s", "-7.5 m/s")]));
+    // Hot metal yields at less.
+    let johnson_cook = "strength = { johnson-cook = { A = \"300 MPa\", B = 0, n = 1, C = 0, m = 1, melting-temperature = \"1800 K\" } }\nspecific-heat = 450";
+    let hot = |temperature: &str| {
+        let body = format!("\"-5 m/s\"]\ntemperature = \"{temperature}\"");
+        at_facets(&[
+            ("\"-5 m/s\"]", &body),
+            ("strength = { perfectly-plastic = { yield-stress = \"300 MPa\" } }", johnson_cook),
+        ])
+    };
+    assert!(hot("300 K") && !hot("1000 K"));
     // What flies away, and a wall that comes; along itself it may move.
     assert!(at_facets(&[("-5 m/s", "90 m/s")]));
     let moving = |velocity: &str| format!("normal = [0, 1] }}\nvelocity = {velocity}");

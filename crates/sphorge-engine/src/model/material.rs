@@ -90,6 +90,13 @@ impl Material {
         BoundedPressure::new(&self.equation_of_state, self.specific_heat, self.reference_temperature)
     }
 
+    /// Stress at which the material yields in slow loading without pressure after a plastic strain, at a temperature (K), Pa; infinite where it never does.
+    pub fn yield_stress_at_rest(&self, plastic_strain: f64, temperature: f64) -> f64 {
+        let history: Vec<f64> = self.flow_law.history().iter().map(|variable| variable.initial).collect();
+        let state = FlowState { plastic_strain, ..FlowState::at_rest(temperature) };
+        self.flow_law.yield_stress(state, &history).value
+    }
+
     /// Whether the material loses its integrity in tension.
     pub fn spalls(&self) -> bool {
         self.spall_pressure.is_finite()

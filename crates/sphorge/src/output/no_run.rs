@@ -123,7 +123,8 @@ impl NoRun {
 /// Whether a folder has anything that a run writes.
 fn looks_like_a_run(path: &Path) -> bool {
     let has_files = || FILES.iter().chain([&DECK]).any(|name| path.join(name).is_file());
-    RunDirectory::is_run(path) || has_files() || RunDirectory::has_checkpoint_in(path)
+    // The mark names every file of the run: it is long, and the last to be read.
+    has_files() || RunDirectory::has_checkpoint_in(path) || RunDirectory::is_run(path)
 }
 
 /// The run whose folder a path is in: at most two folders above, where pieces of frames are.
